@@ -1,0 +1,68 @@
+//! THE table of intrinsics: operations of core that the runtime implements, once in WGSL
+//! (`shaders/terrain/`), once for the twin in f32, once for the oracle in f64.
+//!
+//! Operands and results are scalars. World coordinates are metres, x east, y north, z up.
+
+use crate::core::Scalar::{self, Bool, F32};
+
+macro_rules! intrinsics {
+    ($($id:ident $name:literal ($($param:expr),*) -> ($($result:expr),*) $cost:literal;)*) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Intrinsic { $($id),* }
+
+        impl Intrinsic {
+            pub const ALL: &'static [Intrinsic] = &[$(Intrinsic::$id),*];
+
+            /// Name of the WGSL function and of the core text form.
+            pub fn name(self) -> &'static str {
+                match self { $(Intrinsic::$id => $name),* }
+            }
+
+            pub fn params(self) -> &'static [Scalar] {
+                match self { $(Intrinsic::$id => &[$($param),*]),* }
+            }
+
+            pub fn results(self) -> &'static [Scalar] {
+                match self { $(Intrinsic::$id => &[$($result),*]),* }
+            }
+
+            /// Rough cost in scalar operations, for the fusion model.
+            pub fn cost(self) -> u32 {
+                match self { $(Intrinsic::$id => $cost),* }
+            }
+        }
+    };
+}
+
+// In WGSL an intrinsic takes its scalars one by one and returns the scalar itself for one result,
+// `vecN<f32>` for N <= 4 F32 results, else a struct `Name_result` with fields `r0, r1, ..`.
+intrinsics! {
+    // Size of the field, spacing of samples, lowest and highest z.
+    Extent "extent" () -> (F32, F32) 1;
+    Texel "texel" () -> (F32, F32) 1;
+    Relief "relief" () -> (F32, F32) 1;
+    // Surfaces: (x, y) -> z.
+    Nearest "nearest" (F32, F32) -> (F32) 12;
+    Triangulated "triangulated" (F32, F32) -> (F32) 25;
+    Bilinear "bilinear" (F32, F32) -> (F32) 25;
+    // Their gradients: (x, y) -> (dz/dx, dz/dy).
+    GradientTriangulated "gradient_triangulated" (F32, F32) -> (F32, F32) 25;
+    GradientBilinear "gradient_bilinear" (F32, F32) -> (F32, F32) 25;
+    // First intersection: (origin, direction, near, far) -> (hit, distance).
+    TraceTriangulated "trace_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
+    TraceBilinear "trace_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
+    OccludedTriangulated "occluded_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
+    OccludedBilinear "occluded_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
+    // Primary ray through pixel position (x, y): (origin, direction, near, far).
+    Camera "camera" (F32, F32) -> (F32, F32, F32, F32, F32, F32, F32, F32) 40;
+    // A pixel's width at distance t is r0 + r1 * t.
+    PixelWidth "pixel_width" () -> (F32, F32) 1;
+    SunDir "sun_dir" () -> (F32, F32, F32) 1;
+    SunColor "sun_color" () -> (F32, F32, F32) 1;
+}
+
+/// Result of [`Intrinsic`]s with mixed or many results in WGSL.
+pub fn returns_struct(intrinsic: Intrinsic) -> bool {
+    let results = intrinsic.results();
+    results.len() > 1 && (results.len() > 4 || results.iter().any(|s| *s != F32))
+}

@@ -1,0 +1,9 @@
+//! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
+pub mod builtins;
+pub mod core;
+pub mod diagnostic;
+pub mod intrinsics;
+pub mod source;
+pub mod table;
+pub mod typed;
+pub mod types;

@@ -1,0 +1,104 @@
+//! The function table: what the rewriter runs. Every entry is a task; a task's body ends in an emission.
+//!
+//! A function token of task `f` with arity n, preceded by n literals, is replaced by one of `f`'s emissions
+//! (paper, section 5.1). Everything that is not a task is fused: a helper called directly.
+
+use crate::core::{Atom, FnId, Function, Scalar, Stmt, Var};
+use crate::source::Span;
+
+/// Index in [`Table::tasks`]; the number in a function token.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TaskId(pub u32);
+
+/// One element of an emission or of a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Token<L> {
+    Literal(L),
+    Function(TaskId),
+}
+
+/// Tokens that replace a call, in stream (post) order.
+pub type Emission = Vec<Token<Atom>>;
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tail {
+    Emit(Emission),
+    If(Atom, Box<TailBlock>, Box<TailBlock>),
+    /// Self tail call: the parameters take these values and the body starts over, one unit of fuel spent.
+    /// Without fuel it emits `args self` instead.
+    Again(Vec<Atom>),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct TailBlock {
+    /// `Call` refers to [`Table::helpers`], never to a task.
+    pub stmts: Vec<Stmt>,
+    pub tail: Tail,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Task {
+    /// `fib`, or `fib.1` for its first continuation.
+    pub name: String,
+    /// The source function it belongs to, for messages.
+    pub function: String,
+    pub params: Vec<Var>,
+    pub vars: Vec<Scalar>,
+    pub body: TailBlock,
+    pub span: Option<Span>,
+}
+
+impl Task {
+    /// Operands that a token of this task consumes.
+    pub fn arity(&self) -> u32 {
+        self.params.len() as u32
+    }
+
+    /// Every emission of the body, one per exit (not the implicit one of `Again`).
+    pub fn emissions(&self) -> Vec<&Emission> {
+        fn walk<'a>(block: &'a TailBlock, found: &mut Vec<&'a Emission>) {
+            match &block.tail {
+                Tail::Emit(emission) => found.push(emission),
+                Tail::If(_, yes, no) => {
+                    walk(yes, found);
+                    walk(no, found);
+                }
+                Tail::Again(_) => {}
+            }
+        }
+        let mut found = Vec::new();
+        walk(&self.body, &mut found);
+        found
+    }
+
+    /// The most tokens that one rewrite puts on the stream, `Again` without fuel included.
+    pub fn longest_emission(&self) -> u32 {
+        let longest = self.emissions().iter().map(|e| e.len() as u32).max().unwrap_or(0);
+        longest.max(self.arity() + 1)
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    pub tasks: Vec<Task>,
+    /// Fused functions: no recursion among them, no task calls in them. `Op::Call` indexes this list.
+    pub helpers: Vec<Function>,
+}
+
+impl Table {
+    pub fn task(&self, id: TaskId) -> &Task {
+        &self.tasks[id.0 as usize]
+    }
+
+    pub fn helper(&self, id: FnId) -> &Function {
+        &self.helpers[id.0 as usize]
+    }
+
+    pub fn longest_arity(&self) -> u32 {
+        self.tasks.iter().map(Task::arity).max().unwrap_or(0)
+    }
+
+    pub fn longest_emission(&self) -> u32 {
+        self.tasks.iter().map(Task::longest_emission).max().unwrap_or(0)
+    }
+}

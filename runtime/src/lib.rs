@@ -1,1 +1,2 @@
-
+//! Runtime of Ghyll.
+pub mod terrain;

@@ -83,6 +83,15 @@ pub struct Function {
 pub struct Type {
     pub kind: TypeKind,
     pub span: Span,
+    /// Height of this tree, bounded as in [`Expr`].
+    pub depth: u32,
+}
+
+impl Type {
+    /// Stands where a diagnostic was already given.
+    pub fn error(span: Span) -> Type {
+        Type { kind: TypeKind::Error, span, depth: 1 }
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -21,8 +21,8 @@ lalrpop_mod!(
 
 /// Deepest expression tree. Later phases recurse on it.
 pub const MAX_DEPTH: u32 = 500;
-/// Most arrows in a row in a type.
-const MAX_ARROWS: usize = 16;
+/// Deepest type as written.
+const MAX_TYPE_DEPTH: u32 = 64;
 
 /// What was parsed; not to be looked at when there are errors among the diagnostics.
 #[derive(Debug)]
@@ -158,7 +158,7 @@ impl Context {
                     .label("expected `-> Type` after this")
                     .help("top-level functions state the types of their parameters and their result"),
             );
-            Type { kind: TypeKind::Error, span: at }
+            Type::error(at)
         })
     }
 
@@ -168,32 +168,38 @@ impl Context {
             Diagnostic::error(codes::UNSTATED_TYPE, name.span, title)
                 .help(format!("write `{}: f32`, with the type that it has", name.text)),
         );
-        let ty = Type { kind: TypeKind::Error, span: name.span };
+        let ty = Type::error(name.span);
         (name, ty)
     }
 
     // Types
 
-    pub fn ty(&self, kind: TypeKind, start: usize, end: usize) -> Type {
-        Type { kind, span: self.span(start, end) }
+    pub fn ty(&mut self, kind: TypeKind, start: usize, end: usize) -> Type {
+        let deepest = |types: &[Type]| types.iter().map(|t| t.depth).max().unwrap_or(0);
+        let below = match &kind {
+            TypeKind::Error => 0,
+            TypeKind::Named(_, items) | TypeKind::Tuple(items) => deepest(items),
+            TypeKind::Array(item, n) => item.depth.max(n.depth),
+            TypeKind::Fn(params, result) => deepest(params).max(result.depth),
+        };
+        let span = self.span(start, end);
+        if below < MAX_TYPE_DEPTH {
+            return Type { kind, span, depth: below + 1 };
+        }
+        if !std::mem::replace(&mut self.too_deep, true) {
+            let title = format!("this type is more than {MAX_TYPE_DEPTH} levels deep");
+            self.report(
+                Diagnostic::error(codes::TOO_DEEP, span, title).help("give parts of it names with `type`"),
+            );
+        }
+        Type::error(span)
     }
 
-    pub fn fn_type(
-        &mut self,
-        prefixes: Vec<(usize, Vec<Type>)>,
-        result: Type,
-        start: usize,
-        end: usize,
-    ) -> Type {
-        if prefixes.len() > MAX_ARROWS {
-            let span = self.span(start, end);
-            self.report(Diagnostic::error(codes::TOO_DEEP, span, "this function type has too many arrows"));
-            return Type { kind: TypeKind::Error, span };
-        }
-        prefixes.into_iter().rev().fold(result, |result, (at, params)| {
-            let span = self.span(at, end);
-            Type { kind: TypeKind::Fn(params, Box::new(result)), span }
-        })
+    pub fn fn_type(&mut self, prefixes: Vec<(usize, Vec<Type>)>, result: Type, end: usize) -> Type {
+        prefixes
+            .into_iter()
+            .rev()
+            .fold(result, |result, (at, params)| self.ty(TypeKind::Fn(params, Box::new(result)), at, end))
     }
 
     pub fn tuple_type(&mut self, mut items: Vec<Type>, last: Option<Type>, start: usize, end: usize) -> Type {
@@ -205,7 +211,7 @@ impl Context {
         if items.len() < 2 {
             self.short_tuple(span);
         }
-        Type { kind: TypeKind::Tuple(items), span }
+        self.ty(TypeKind::Tuple(items), start, end)
     }
 
     fn short_tuple(&mut self, span: Span) {
@@ -221,7 +227,11 @@ impl Context {
         let mut expr = Expr { kind, span: self.span(start, end), depth: 0 };
         let mut below = 0;
         expr.for_each_part(&mut |part| below = below.max(part.depth));
-        expr.depth = below + 1;
+        // A chain of `else if` nests to the right later.
+        expr.depth = match &expr.kind {
+            ExprKind::If(branches, _) => below + branches.len() as u32,
+            _ => below + 1,
+        };
         if expr.depth <= MAX_DEPTH {
             return expr;
         }

@@ -1,8 +1,19 @@
 //! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
+pub mod argument;
+pub mod ast;
 pub mod builtins;
+pub mod codes;
 pub mod core;
 pub mod diagnostic;
+mod exhaustive;
+pub mod front;
+mod infer;
 pub mod intrinsics;
+pub mod lexer;
+pub mod library;
+pub mod parse;
+pub mod report;
+mod resolve;
 pub mod source;
 pub mod table;
 pub mod typed;

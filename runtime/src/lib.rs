@@ -1,1 +1,4 @@
-
+pub mod config;
+pub mod error;
+pub mod value;
+pub mod world;

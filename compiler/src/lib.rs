@@ -2,8 +2,11 @@
 pub mod builtins;
 pub mod core;
 pub mod diagnostic;
+pub mod interpret;
 pub mod intrinsics;
+pub mod scalar;
 pub mod source;
+pub mod stream;
 pub mod table;
 pub mod typed;
 pub mod types;

@@ -1,4 +1,5 @@
 pub mod config;
 pub mod error;
+pub mod oracle;
 pub mod value;
 pub mod world;

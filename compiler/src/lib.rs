@@ -6,6 +6,7 @@ pub mod interpret;
 pub mod intrinsics;
 pub mod scalar;
 pub mod source;
+pub mod split;
 pub mod stream;
 pub mod table;
 pub mod typed;

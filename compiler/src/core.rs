@@ -10,10 +10,12 @@
 //!   five bits, saturating conversions, clamped indices). Comparisons and logic yield `Bool`.
 //! - Enum payloads that carry different scalars in different variants are `U32` words (`Bitcast`).
 
+pub mod graph;
 pub mod parse;
 pub mod prims;
 pub mod print;
 pub mod verify;
+pub mod walk;
 
 use crate::source::Span;
 

@@ -8,6 +8,7 @@ pub mod layout;
 pub mod lower;
 pub mod scalar;
 pub mod source;
+pub mod split;
 pub mod stream;
 pub mod table;
 pub mod typed;

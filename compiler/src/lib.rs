@@ -11,3 +11,4 @@ pub mod stream;
 pub mod table;
 pub mod typed;
 pub mod types;
+pub mod wgsl;

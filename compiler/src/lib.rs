@@ -13,3 +13,4 @@ pub mod stream;
 pub mod table;
 pub mod typed;
 pub mod types;
+pub mod wgsl;

@@ -37,4 +37,4 @@ pub fn tasks(program: &Program) -> Vec<bool> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

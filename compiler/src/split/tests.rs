@@ -194,6 +194,10 @@ fn main(n: i32) -> (i32, f32) {
   yield s, f
 }";
 
+/// All of them, for the tests of later phases.
+pub const PROGRAMS: &[&str] =
+    &[FIB, ACKERMANN, TAK, HOFSTADTER, MUTUAL, TAIL_LOOP, BRANCHES, PARALLEL_IFS, LOOPS, NESTED_SUMS];
+
 pub fn program(text: &str) -> Program {
     let program = parse::program(text).expect("parses");
     verify::program(&program).expect("is core");

@@ -4,5 +4,6 @@ pub mod config;
 pub mod error;
 pub mod gpu;
 pub mod oracle;
+pub mod terrain;
 pub mod value;
 pub mod world;

@@ -1,9 +1,11 @@
 //! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
+pub mod back;
 pub mod builtins;
 pub mod core;
 pub mod diagnostic;
 pub mod interpret;
 pub mod intrinsics;
+pub mod optimise;
 pub mod scalar;
 pub mod source;
 pub mod split;
@@ -12,3 +14,6 @@ pub mod table;
 pub mod typed;
 pub mod types;
 pub mod wgsl;
+
+#[cfg(test)]
+mod random;

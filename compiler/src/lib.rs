@@ -2,8 +2,15 @@
 pub mod builtins;
 pub mod core;
 pub mod diagnostic;
+pub mod interpret;
 pub mod intrinsics;
+pub mod layout;
+pub mod lower;
+pub mod scalar;
 pub mod source;
+pub mod split;
+pub mod stream;
 pub mod table;
 pub mod typed;
 pub mod types;
+pub mod wgsl;

@@ -1,1 +1,9 @@
+//! Runtime of Ghyll: the rewriter on the GPU, its CPU twin, the oracle, and terrain.
 
+pub mod config;
+pub mod error;
+pub mod gpu;
+pub mod oracle;
+pub mod terrain;
+pub mod value;
+pub mod world;

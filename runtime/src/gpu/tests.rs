@@ -1,0 +1,4 @@
+//! The rewriter on whatever adapter there is.
+
+mod programs;
+mod values;

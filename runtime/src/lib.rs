@@ -5,5 +5,6 @@ pub mod error;
 pub mod gpu;
 pub mod oracle;
 pub mod terrain;
+pub mod twin;
 pub mod value;
 pub mod world;

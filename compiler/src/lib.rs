@@ -1,4 +1,5 @@
 //! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
+pub mod back;
 pub mod builtins;
 pub mod core;
 pub mod diagnostic;
@@ -6,6 +7,7 @@ pub mod interpret;
 pub mod intrinsics;
 pub mod layout;
 pub mod lower;
+pub mod optimise;
 pub mod scalar;
 pub mod source;
 pub mod split;
@@ -14,3 +16,6 @@ pub mod table;
 pub mod typed;
 pub mod types;
 pub mod wgsl;
+
+#[cfg(test)]
+mod random;

@@ -14,6 +14,7 @@
 //! The format of case files is described in `tests/README.md`.
 
 pub mod case;
+pub mod generate;
 pub mod judge;
 pub mod mode;
 pub mod value;

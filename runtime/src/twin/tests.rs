@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
+use ghyll_compiler::back::back;
 use ghyll_compiler::core::{Const, Intrinsic, Program, parse, verify};
-use ghyll_compiler::interpret::{NoHost, run};
+use ghyll_compiler::interpret::{Host, NoHost, run};
+use ghyll_compiler::random::{self, TestHost};
 use ghyll_compiler::split::split;
 use ghyll_compiler::stream::{self, initial};
 use ghyll_compiler::table::{Table, TaskId};
@@ -367,4 +369,68 @@ fn live_words_change_between_runs() {
         let start = initial(&table, entry, &[Const::I32(7)]);
         assert_eq!(twin.run(&start, &Config::default(), None).unwrap().0, [7 * word]);
     }
+}
+
+/// The compiler's test host as a world.
+struct Mixed;
+
+impl World for Mixed {
+    fn eval_f64(&self, _: Intrinsic, _: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+    }
+
+    fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
+        let args: Vec<Const> = args.iter().map(|w| Const::U32(*w)).collect();
+        let results = TestHost.intrinsic(intrinsic, &args).unwrap_or_default();
+        for (out, result) in out.iter_mut().zip(results) {
+            *out = result.word();
+        }
+    }
+}
+
+/// Words with one NaN for all.
+fn canonical(values: &[Const], words: &[u32]) -> Vec<u32> {
+    let canonical = |(value, word): (&Const, &u32)| match value {
+        Const::F32(_) if f32::from_bits(*word).is_nan() => f32::NAN.to_bits(),
+        _ => *word,
+    };
+    values.iter().zip(words).map(canonical).collect()
+}
+
+/// A random program, as it is and optimised, in every mode; how many inputs were compared.
+fn compare_random(seed: u64) -> usize {
+    const FUEL: u64 = 200_000;
+    let text = random::program(seed);
+    let source = parse::program(&text).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}"));
+    let (plain, plain_entry) = split(&source);
+    let optimised = back(source.clone());
+    let mut compared = 0;
+    for depth in [0, 1, 3] {
+        let args =
+            [Const::I32(depth), Const::Bool(seed % 2 == 0), Const::I32(3), Const::U32(4), Const::f32(2.5)];
+        let Ok(values) = run(&source, &args, &TestHost, FUEL) else { continue };
+        let words: Vec<u32> = values.iter().map(|c| c.word()).collect();
+        let expected = canonical(&values, &words);
+        for (table, entry) in [(&plain, plain_entry), (&optimised.table, optimised.entry)] {
+            let mut twin = Twin::new(table).unwrap();
+            twin.set_live(&[TestHost.live(0).unwrap(), TestHost.live(1).unwrap()]);
+            for config in configs() {
+                let start = initial(table, entry, &args);
+                let (found, _) = twin
+                    .run(&start, &config, Some(&Mixed))
+                    .unwrap_or_else(|e| panic!("seed {seed}: {e} with {config:?}\n{text}"));
+                assert_eq!(canonical(&values, &found), expected, "seed {seed} {depth} {config:?}\n{text}");
+                compared += 1;
+            }
+        }
+    }
+    compared
+}
+
+#[test]
+fn random_programs_agree_in_every_mode() {
+    on_large_stack(|| {
+        let compared: usize = (0..60).map(compare_random).sum();
+        assert!(compared > 1000, "only {compared} runs were compared");
+    });
 }

@@ -33,5 +33,6 @@ pub mod typed;
 pub mod types;
 pub mod wgsl;
 
-#[cfg(test)]
-mod random;
+/// Random programs for the differential tests of this crate and of the runtime.
+#[doc(hidden)]
+pub mod random;

@@ -7,5 +7,6 @@ pub mod gpu_terrain;
 pub mod image;
 pub mod oracle;
 pub mod terrain;
+pub mod twin;
 pub mod value;
 pub mod world;

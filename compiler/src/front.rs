@@ -75,9 +75,12 @@ fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
         for (i, (file, written)) in params.iter().enumerate() {
             let stated = (&module.params[i].ty, written.ty.span);
             let default = env.expression(*file, &written.default, Some(stated));
+            // A range on anything else was reported.
+            let ordered = matches!(module.params[i].ty, typed::Type::I32 | typed::Type::F32);
             let range = written
                 .range
                 .as_ref()
+                .filter(|_| ordered)
                 .map(|(lo, hi)| [lo, hi].map(|end| env.expression(*file, end, Some(stated))));
             defaults.push((default, range));
         }

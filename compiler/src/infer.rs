@@ -308,6 +308,3 @@ fn quoted(ty: &str) -> String {
         ty => format!("`{ty}`"),
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -221,11 +221,11 @@ impl<'s> Reader<'s> {
                 }
                 continue;
             }
-            if let Lexeme::Number(digits) = lexeme {
-                if self.ends_float(digits, end) {
-                    lexer.bump(1);
-                    end += 1;
-                }
+            if let Lexeme::Number(digits) = lexeme
+                && self.ends_float(digits, end)
+            {
+                lexer.bump(1);
+                end += 1;
             }
             if let Some(at) = comma_due.take()
                 && !matches!(lexeme, Lexeme::Comma | Lexeme::RBrace)
@@ -288,12 +288,10 @@ impl<'s> Reader<'s> {
         ) || self.after_tuple_field(start);
         let lexemes = &mut self.lexed.lexemes;
         // `t.0`, `t.0.1`
-        if after_value && let Some(fields) = digits.strip_prefix('.') {
-            if let Ok(field) = fields.parse() {
-                lexemes.push((start, Lexeme::Dot, start + 1));
-                lexemes.push((start + 1, Lexeme::Int(field), end));
-                return;
-            }
+        if after_value && let Some(Ok(field)) = digits.strip_prefix('.').map(str::parse) {
+            lexemes.push((start, Lexeme::Dot, start + 1));
+            lexemes.push((start + 1, Lexeme::Int(field), end));
+            return;
         }
         match number(&self.text[start..end]) {
             Ok(lexeme) => lexemes.push((start, lexeme, end)),

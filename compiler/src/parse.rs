@@ -329,7 +329,7 @@ impl Context {
             self.expr(ExprKind::Error, end, end)
         });
         if lets.is_empty() {
-            return Expr { span: self.span(start, end), ..value };
+            return value;
         }
         self.expr(ExprKind::Block(lets, Box::new(value)), start, end)
     }

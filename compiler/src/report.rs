@@ -137,6 +137,6 @@ mod tests {
         assert_eq!((first["line"].as_u64(), first["column"].as_u64()), (Some(2), Some(10)));
         assert_eq!((first["end_line"].as_u64(), first["end_column"].as_u64()), (Some(2), Some(11)));
         assert_eq!(first["code"], "E0202");
-        assert_eq!(first["secondary"][0]["column"], 1 + 0);
+        assert_eq!(first["secondary"][0]["column"], 1);
     }
 }

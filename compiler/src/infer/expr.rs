@@ -85,8 +85,8 @@ impl Infer<'_, '_> {
             return self.integer(*value, true, span, want);
         }
         let operand = self.any(operand);
-        let ty = operand.ty;
-        self.goal(GoalKind::Unary { op, operand: ty }, span);
+        let ty = self.fresh(span);
+        self.goal(GoalKind::Unary { op, operand: operand.ty, result: ty }, span);
         self.settle(Kind::Unary(op, Box::new(operand)), ty, span, want)
     }
 

@@ -173,8 +173,8 @@ pub type Spanned<'s> = (usize, Lexeme<'s>, usize);
 pub struct Lexed<'s> {
     pub lexemes: Vec<Spanned<'s>>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Opening brackets that are never closed.
-    pub unclosed: Vec<Span>,
+    /// Opening brackets that are never closed, with what would close them.
+    pub unclosed: Vec<(Span, char)>,
 }
 
 pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
@@ -186,12 +186,13 @@ pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
     } else {
         reader.run();
     }
-    reader.lexed.unclosed = reader.brackets.iter().map(|b| b.span).collect();
+    reader.lexed.unclosed = reader.brackets.iter().map(|b| (b.span, b.close)).collect();
     reader.lexed
 }
 
 struct Bracket {
     span: Span,
+    close: char,
     /// The `{` follows `=>`.
     arm: bool,
 }
@@ -312,7 +313,12 @@ impl<'s> Reader<'s> {
             Lexeme::LParen | Lexeme::LBracket | Lexeme::LBrace => {
                 let after_arrow = matches!(self.lexed.lexemes.last(), Some((_, Lexeme::FatArrow, _)));
                 let arm = lexeme == Lexeme::LBrace && after_arrow;
-                self.brackets.push(Bracket { span: Span::new(self.source, start, end), arm });
+                let close = match lexeme {
+                    Lexeme::LParen => ')',
+                    Lexeme::LBracket => ']',
+                    _ => '}',
+                };
+                self.brackets.push(Bracket { span: Span::new(self.source, start, end), close, arm });
                 if self.brackets.len() > MAX_NESTING {
                     let title = format!("brackets nest more than {MAX_NESTING} deep");
                     self.error(codes::TOO_DEEP, start, end, &title).help =

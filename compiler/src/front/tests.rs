@@ -3,6 +3,7 @@ mod arguments;
 mod fuzz;
 mod limits;
 mod rejected;
+mod verify;
 
 use super::*;
 
@@ -11,7 +12,10 @@ fn check(text: &str) -> Result<Checked, Report> {
 }
 
 fn accepts(text: &str) -> Checked {
-    check(text).unwrap_or_else(|r| panic!("{text}\n{}", crate::report::render(&r, false)))
+    let checked = check(text).unwrap_or_else(|r| panic!("{text}\n{}", crate::report::render(&r, false)));
+    let wrong = verify::verify(&checked.module);
+    assert!(wrong.is_empty(), "{text}\n{}", wrong.join("\n"));
+    checked
 }
 
 /// Codes of all diagnostics with the text each one points at.

@@ -254,11 +254,8 @@ impl Infer<'_, '_> {
             && types.len() != params.len()
         {
             let (has, needs) = (count(params.len(), "parameter"), count(types.len(), "argument"));
-            let diagnostic = Diagnostic::error(
-                codes::ARGUMENTS,
-                span,
-                format!("this lambda has {has}, but it gets {needs}"),
-            );
+            let title = format!("this lambda has {has}, but it gets {needs}");
+            let diagnostic = Diagnostic::error(codes::ARGUMENTS, span, title).label("this lambda");
             self.report(match want.why {
                 Some((at, text)) => diagnostic.also(at, text),
                 None => diagnostic,

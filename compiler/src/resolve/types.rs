@@ -165,8 +165,8 @@ impl Names<'_> {
             AliasState::Running => {
                 let title = format!("the type `{}` stands for itself", written.name.text);
                 out.push(
-                    Diagnostic::error(codes::CYCLIC_ALIAS, used, title)
-                        .also(written.name.span, "defined here")
+                    Diagnostic::error(codes::CYCLIC_ALIAS, written.name.span, title)
+                        .also(used, "used here")
                         .help("an alias is only another name: use a struct or enum for a type of its own"),
                 );
                 (count, Type::Error)

@@ -161,7 +161,11 @@ fn word_places(text: &str) -> Vec<std::ops::Range<usize>> {
 
 fn survive(text: &str) {
     let report = match check(text) {
-        Ok(Checked { sources, warnings, .. }) => Report { sources, diagnostics: warnings },
+        Ok(Checked { sources, warnings, module }) => {
+            let wrong = super::verify::verify(&module);
+            assert!(wrong.is_empty(), "{text}\n{}", wrong.join("\n"));
+            Report { sources, diagnostics: warnings }
+        }
         Err(report) => {
             assert!(report.has_errors(), "{text}");
             report

@@ -9,11 +9,13 @@
 //! | [`mode`] | THE table of machines and settings a case runs on |
 //! | [`judge`] | compares what a backend answers with what the case expects |
 //! | [`backend`] | the only file that knows the runtime's interface |
+//! | [`differential`] | looks for random programs on which two modes disagree |
 //! | [`generate`] | random well-typed programs, and their shrinking |
 //!
 //! The format of case files is described in `tests/README.md`.
 
 pub mod case;
+pub mod differential;
 pub mod generate;
 pub mod judge;
 pub mod mode;

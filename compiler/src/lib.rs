@@ -1,11 +1,22 @@
 //! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
+pub mod argument;
+pub mod ast;
 pub mod builtins;
+pub mod codes;
 pub mod core;
 pub mod diagnostic;
+mod exhaustive;
+pub mod front;
+mod infer;
 pub mod interpret;
 pub mod intrinsics;
 pub mod layout;
+pub mod lexer;
+pub mod library;
 pub mod lower;
+pub mod parse;
+pub mod report;
+mod resolve;
 pub mod scalar;
 pub mod source;
 pub mod split;

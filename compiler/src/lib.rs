@@ -1,6 +1,7 @@
 //! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
 pub mod argument;
 pub mod ast;
+pub mod back;
 pub mod builtins;
 pub mod codes;
 pub mod core;
@@ -14,6 +15,7 @@ pub mod layout;
 pub mod lexer;
 pub mod library;
 pub mod lower;
+pub mod optimise;
 pub mod parse;
 pub mod report;
 mod resolve;
@@ -25,3 +27,6 @@ pub mod table;
 pub mod typed;
 pub mod types;
 pub mod wgsl;
+
+#[cfg(test)]
+mod random;

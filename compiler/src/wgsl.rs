@@ -11,7 +11,7 @@ mod expression;
 mod support;
 mod task;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

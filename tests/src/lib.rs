@@ -1,6 +1,8 @@
 //! The language suite: programs with their expectations, run on every answer that Ghyll can give.
 //!
-//!     suite/**/*.ghyll --case--> cases --judge--> one verdict per case and mode
+//! ```text
+//! suite/**/*.ghyll --case--> cases --judge--> one verdict per case and mode
+//! ```
 //!
 //! | module | what it is |
 //! |---|---|

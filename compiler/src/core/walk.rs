@@ -185,6 +185,7 @@ impl<'a> Renumber<'a> {
     }
 
     fn stmt(&mut self, stmt: &Stmt) -> Stmt {
+        let dst = self.defines(&stmt.dst);
         let op = match &stmt.op {
             Op::Prim(prim, scalar, args) => Op::Prim(*prim, *scalar, self.atoms(args)),
             Op::Intrinsic(i, args) => Op::Intrinsic(*i, self.atoms(args)),
@@ -198,7 +199,7 @@ impl<'a> Renumber<'a> {
                 Op::Loop(super::Loop { state, cond, body, kind: l.kind })
             }
         };
-        Stmt { dst: self.defines(&stmt.dst), op }
+        Stmt { dst, op }
     }
 }
 

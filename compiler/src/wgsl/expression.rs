@@ -82,7 +82,8 @@ pub fn template(prim: Prim, scalar: Scalar) -> &'static str {
     }
 }
 
-/// A constant; one that is no finite normal literal is made by `f32_bits` at run time.
+/// A constant; one that is no finite normal literal is made by `f32_bits` at run time. So are the largest numbers,
+/// whose shortest decimal form lies above `f32::MAX` when read in double precision.
 pub fn constant(c: Const) -> String {
     match c {
         Const::Bool(b) => b.to_string(),
@@ -92,7 +93,7 @@ pub fn constant(c: Const) -> String {
         Const::U32(u) => format!("{u}u"),
         Const::F32(bits) => {
             let x = f32::from_bits(bits);
-            if bits != 0 && !x.is_normal() {
+            if bits != 0 && !(x.is_normal() && x.abs() < 3.4e38) {
                 format!("f32_bits(0x{bits:08x}u)")
             } else if x < 0.0 {
                 format!("({x:?}f)")

@@ -5,7 +5,7 @@ use super::{Env, Lower, unsupported};
 use crate::core::{Atom, Block, Const, Op, Prim, Scalar};
 use crate::layout;
 use crate::source::Span;
-use crate::typed::{BinaryOp, ConstId, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
+use crate::typed::{BinaryOp, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
@@ -106,11 +106,6 @@ impl<'m> Lower<'m> {
                 },
             },
         }
-    }
-
-    fn constant(&mut self, id: ConstId) -> Value<'m> {
-        let definition = &self.module.consts[id.0 as usize];
-        self.expr(&definition.value, &mut Env::default())
     }
 
     fn param(&mut self, id: ParamId) -> Value<'m> {

@@ -7,6 +7,7 @@
 
 mod builtins;
 mod call;
+mod constant;
 mod expr;
 mod matching;
 mod ranges;
@@ -17,7 +18,7 @@ use crate::diagnostic::Diagnostic;
 use crate::layout;
 use crate::scalar;
 use crate::source::Span;
-use crate::typed::{self, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
+use crate::typed::{self, ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::rc::Rc;
 use value::{Captures, Shape, Value};
@@ -46,26 +47,9 @@ const INLINE_DEPTH_LIMIT: usize = 64;
 
 /// Lowers what `entry` reaches.
 pub fn lower(module: &Module, entry: FunctionId, settings: &Settings) -> Result<Program, Vec<Diagnostic>> {
-    let mut lower = Lower {
-        module,
-        settings,
-        functions: Vec::new(),
-        known: HashMap::new(),
-        names: HashMap::new(),
-        queue: VecDeque::new(),
-        builder: Builder::default(),
-        statements: 0,
-        inlined: 0,
-        errors: Vec::new(),
-        live: BTreeMap::new(),
-    };
+    let mut lower = Lower::new(module, settings);
     lower.entry(entry)?;
-    while let Some(job) = lower.queue.pop_front() {
-        lower.function(job);
-        if !lower.errors.is_empty() {
-            return Err(lower.errors);
-        }
-    }
+    lower.drain()?;
     let live = settings.live.iter().filter_map(|id| lower.live_shape(*id)).collect();
     let functions =
         lower.functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect();
@@ -103,6 +87,8 @@ struct Lower<'m> {
     errors: Vec<Diagnostic>,
     /// First word of each live parameter.
     live: BTreeMap<ParamId, u32>,
+    /// Constants already computed.
+    constants: HashMap<ConstId, Value<'m>>,
 }
 
 /// The function under construction.
@@ -121,6 +107,32 @@ struct Env<'m> {
 }
 
 impl<'m> Lower<'m> {
+    fn new(module: &'m Module, settings: &'m Settings) -> Lower<'m> {
+        Lower {
+            module,
+            settings,
+            functions: Vec::new(),
+            known: HashMap::new(),
+            names: HashMap::new(),
+            queue: VecDeque::new(),
+            builder: Builder::default(),
+            statements: 0,
+            inlined: 0,
+            errors: Vec::new(),
+            live: BTreeMap::new(),
+            constants: HashMap::new(),
+        }
+    }
+
+    /// Lowers every queued specialisation.
+    fn drain(&mut self) -> Result<(), Vec<Diagnostic>> {
+        while self.errors.is_empty() {
+            let Some(job) = self.queue.pop_front() else { return Ok(()) };
+            self.function(job);
+        }
+        Err(std::mem::take(&mut self.errors))
+    }
+
     /// Queues the entry: its parameters are machine words.
     fn entry(&mut self, entry: FunctionId) -> Result<(), Vec<Diagnostic>> {
         let mut word = 0;

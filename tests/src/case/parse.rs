@@ -104,6 +104,7 @@ impl Reader<'_> {
             settings: Settings::default(),
             expectations: Vec::new(),
             modes: Vec::new(),
+            broken: None,
         });
         Ok(())
     }
@@ -156,6 +157,7 @@ fn header_line(case: &mut Case, word: &str, rest: &str) -> Read<()> {
         "memory" => settings.memory = Some(required("a size", rest)?),
         "timeout" => settings.timeout = Some(number(rest)?),
         "dem" => settings.dem = Some(dem(rest)?),
+        "broken" => case.broken = Some(quoted(rest)?),
         "modes" => {
             for word in rest.split_whitespace() {
                 let modes = Mode::named(word).ok_or(format!("`{word}` is no mode"))?;

@@ -3,6 +3,8 @@
 pub mod config;
 pub mod error;
 pub mod gpu;
+pub mod gpu_terrain;
+pub mod image;
 pub mod oracle;
 pub mod terrain;
 pub mod value;

@@ -8,15 +8,19 @@
 //!   continuation. A rest that would only put the results into an emission is no task of its own: that emission with
 //!   `a1.. f1` in the place of f1's results does the same (tail calls, `A(m - 1, A(m, n - 1))` as `m-1 m n-1 A A`);
 //! - a ready `if` with task calls in its branches becomes an `if` of the task; both branches finish with the rest
-//!   of the block, which is a continuation of its own (the join) unless it is only an emission;
+//!   of the block, which is a continuation of its own (the join) unless it is only an emission; a branch without
+//!   task calls evaluates a small join itself;
 //! - an `if` that is ready together with other calls is made a function of its own, so that it does not hold them up.
 
 use std::collections::HashSet;
 
-use super::live::{free, prune, sink, vars_of};
-use crate::core::walk::{calls, free_in_stmt};
+use super::live::{copy, free, prune, sink, tail_size, vars_of};
+use crate::core::walk::{Renumber, calls, free_in_stmt};
 use crate::core::{Atom, Block, Function, Mark, Op, Stmt, Var};
 use crate::table::{Emission, Tail, TailBlock, TaskId, Token};
+
+/// Statements of a join that a branch without task calls evaluates itself, which saves a rewrite.
+const SMALL_JOIN: usize = 12;
 
 /// A task before it gets its number and name; token ids are indices of drafts.
 pub struct Draft {
@@ -118,7 +122,11 @@ impl Splitter<'_> {
     }
 
     fn has_task_call(&self, stmt: &Stmt) -> bool {
-        calls(std::slice::from_ref(stmt)).iter().any(|id| self.is_task[id.0 as usize])
+        self.any_task_call(std::slice::from_ref(stmt))
+    }
+
+    fn any_task_call(&self, stmts: &[Stmt]) -> bool {
+        calls(stmts).iter().any(|id| self.is_task[id.0 as usize])
     }
 
     fn schedule(&self, stmts: &[Stmt]) -> Schedule {
@@ -178,23 +186,39 @@ impl Splitter<'_> {
         (cond, yes, no): (Atom, &Block, &Block),
         after: TailBlock,
     ) -> TailBlock {
-        let emission = match after.tail {
-            Tail::Emit(emission) if after.stmts.is_empty() => emission,
-            tail => {
-                let branches = Stmt { dst: dst.to_vec(), op: Op::If(cond, yes.clone(), no.clone()) };
-                let needed = free_in_stmt(&branches).into_iter().collect();
-                let after = TailBlock { stmts: after.stmts, tail };
-                let (live, task) = self.continuation(f, &before, after, dst, &needed);
-                let mut emission = literals(&live);
-                emission.extend(literals(dst));
-                emission.push(Token::Function(task));
-                emission
-            }
-        };
+        if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail) {
+            let finish = Finish { slots: dst.to_vec(), emission: emission.clone() };
+            let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, &b.stmts, &b.results, &finish)));
+            return TailBlock { stmts: before, tail: Tail::If(cond, yes, no) };
+        }
+        // The join.
+        let branches = Stmt { dst: dst.to_vec(), op: Op::If(cond, yes.clone(), no.clone()) };
+        let needed = free_in_stmt(&branches).into_iter().collect();
+        let small = tail_size(&after) <= SMALL_JOIN;
+        let in_place = if small { Some(after.clone()) } else { None };
+        let (live, task) = self.continuation(f, &before, after, dst, &needed);
+        let mut emission = literals(&live);
+        emission.extend(literals(dst));
+        emission.push(Token::Function(task));
         let finish = Finish { slots: dst.to_vec(), emission };
-        let yes = self.block(f, &yes.stmts, &yes.results, &finish);
-        let no = self.block(f, &no.stmts, &no.results, &finish);
-        TailBlock { stmts: before, tail: Tail::If(cond, Box::new(yes), Box::new(no)) }
+        let [yes, no] = [yes, no].map(|b| {
+            Box::new(match &in_place {
+                Some(after) if !self.any_task_call(&b.stmts) => self.append(f, b, dst, after),
+                _ => self.block(f, &b.stmts, &b.results, &finish),
+            })
+        });
+        TailBlock { stmts: before, tail: Tail::If(cond, yes, no) }
+    }
+
+    /// A branch without task calls, then a copy of `after`.
+    fn append(&mut self, f: usize, branch: &Block, dst: &[Var], after: &TailBlock) -> TailBlock {
+        let old = std::mem::take(&mut self.functions[f].vars);
+        let mut renumber = Renumber::new(&old, old.clone());
+        renumber.map.extend(dst.iter().copied().zip(branch.results.iter().copied()));
+        let mut block = copy(&mut renumber, after);
+        self.functions[f].vars = renumber.new;
+        block.stmts.splice(0..0, branch.stmts.iter().cloned());
+        block
     }
 
     /// A task with body `block` whose operands are live words, then `results`.

@@ -296,21 +296,24 @@ fn self_tail_calls_are_loops_and_others_are_tokens() {
 }
 
 #[test]
-fn both_branches_emit_the_join() {
-    let (_, table, _) = split_text(
-        "entry main
-         @task fn g(x: i32) -> (i32) { yield x }
-         fn main(x: i32, y: i32) -> (i32) {
-           c: bool = lt.i32(x, 0)
-           u: i32 = if c { a: i32 = call g(x) yield a } else { yield 9 }
-           s: i32 = mul.i32(u, u)
-           t: i32 = add.i32(s, y)
-           yield t
-         }",
-    );
-    let emissions: Vec<_> =
-        table.tasks[0].emissions().iter().map(|e| table::print::emission(&table, e)).collect();
-    assert_eq!(emissions, ["v1 v0 g main.1", "v1 9 main.1"]);
+fn branches_with_calls_emit_the_join() {
+    let emissions = |rest: &str| {
+        let (_, table, _) = split_text(&format!(
+            "entry main
+             @task fn g(x: i32) -> (i32) {{ yield x }}
+             fn main(x: i32, y: i32) -> (i32) {{
+               c: bool = lt.i32(x, 0)
+               u: i32 = if c {{ a: i32 = call g(x) yield a }} else {{ yield 9 }}
+               s0: i32 = mul.i32(u, y)
+               {rest}
+             }}"
+        ));
+        table.tasks[0].emissions().iter().map(|e| table::print::emission(&table, e)).collect::<Vec<_>>()
+    };
+    // A branch without calls evaluates a small rest itself.
+    assert_eq!(emissions("yield s0"), ["v1 v0 g main.1", "v3"]);
+    let rest: String = (0..20).map(|i| format!("s{}: i32 = mul.i32(s{i}, s{i})\n", i + 1)).collect();
+    assert_eq!(emissions(&format!("{rest} yield s20")), ["v1 v0 g main.1", "v1 9 main.1"]);
 }
 
 #[test]

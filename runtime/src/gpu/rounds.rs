@@ -5,7 +5,8 @@ use std::time::Instant;
 use super::engine::{Ended, Engine, Job};
 use super::error::RunError;
 use super::layout::{
-    DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK, State,
+    DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
+    State,
 };
 use super::shader::Kernel;
 use super::shape::GRID;
@@ -153,7 +154,9 @@ impl Engine {
             *state = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words));
             let time = start.elapsed();
             job.stats.dispatches += u64::from(rounds) * STAGES.len() as u64;
-            if std::env::var("GHYLL_DBG").is_ok() { eprintln!("{time:?} fuel {} rounds {rounds} {state:?}", self.fuel.steps); }
+            if std::env::var("GHYLL_DBG").is_ok() {
+                eprintln!("{time:?} fuel {} rounds {rounds} {state:?}", self.fuel.steps);
+            }
             let full = state.full;
             state.full = 0;
             job.absorb(state);

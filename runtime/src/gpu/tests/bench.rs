@@ -22,6 +22,10 @@ fn fib_27() {
             times.push(last.time.as_secs_f64());
         }
         let time = median(times[2..].to_vec());
-        println!("{rewriter:?}: {:.2} ms, {:.1} M/s, {last:?}", time * 1e3, last.rewrites as f64 / time / 1e6);
+        println!(
+            "{rewriter:?}: {:.2} ms, {:.1} M/s, {last:?}",
+            time * 1e3,
+            last.rewrites as f64 / time / 1e6
+        );
     }
 }

@@ -5,7 +5,8 @@ use std::time::Instant;
 use super::engine::{Ended, Engine, Job};
 use super::error::RunError;
 use super::layout::{
-    DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK, State,
+    DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
+    State,
 };
 use super::shader::Kernel;
 use super::shape::GRID;
@@ -158,7 +159,6 @@ impl Engine {
             job.stats.dispatches += u64::from(rounds) * STAGES.len() as u64;
             let full = std::mem::take(&mut state.full);
             job.absorb(state);
-            if std::env::var("GHYLL_DBG").is_ok() { eprintln!("DBG {time:?} fuel {} cap {} rounds {rounds} full {full} {state:?}", self.fuel.steps, self.cap); }
             if state.flags & FLAG_LOOPS != 0 {
                 self.lower_cap(state)?;
                 return Ok(Ended::Void);

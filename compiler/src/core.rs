@@ -10,6 +10,13 @@
 //!   five bits, saturating conversions, clamped indices). Comparisons and logic yield `Bool`.
 //! - Enum payloads that carry different scalars in different variants are `U32` words (`Bitcast`).
 
+pub mod graph;
+pub mod parse;
+pub mod prims;
+pub mod print;
+pub mod verify;
+pub mod walk;
+
 use crate::source::Span;
 
 pub use crate::intrinsics::Intrinsic;
@@ -159,6 +166,8 @@ pub enum Op {
     Prim(Prim, Scalar, Vec<Atom>),
     /// Terrain and scene built-ins; results as in the table of [`Intrinsic`].
     Intrinsic(Intrinsic, Vec<Atom>),
+    /// Word of a live parameter: index in the words of [`Program::live`], one after the other.
+    Live(u32),
     Call(FnId, Vec<Atom>),
     If(Atom, Block, Block),
     Loop(Loop),
@@ -243,6 +252,6 @@ pub struct Program {
     pub functions: Vec<Function>,
     /// Index of the entry.
     pub entry: u32,
-    /// Changeable parameters (`--live`), in the order of [`Intrinsic::Live`]'s argument: name and scalars.
+    /// Changeable parameters (`--live`), name and scalars. [`Op::Live`] counts their words.
     pub live: Vec<(String, Vec<Scalar>)>,
 }

@@ -3,6 +3,9 @@
 //! A function token of task `f` with arity n, preceded by n literals, is replaced by one of `f`'s emissions
 //! (paper, section 5.1). Everything that is not a task is fused: a helper called directly.
 
+pub mod print;
+pub mod verify;
+
 use crate::core::{Atom, FnId, Function, Scalar, Stmt, Var};
 use crate::source::Span;
 

@@ -1,0 +1,40 @@
+//! Core to function table: decides what stays a token and splits bodies at task calls.
+//!
+//! A function is a task when it is marked `@task`, is recursive, calls a task, or is the entry. The rest are
+//! helpers, called directly. [`lift`] turns loops that call tasks into recursive functions first;
+//! [`body`] splits one function; [`assemble`] numbers, names and merges what came of it.
+
+mod assemble;
+mod body;
+pub mod lift;
+pub(crate) mod live;
+
+use crate::core::graph::Graph;
+use crate::core::{Mark, Program};
+use crate::table::{Table, TaskId};
+
+/// The table of everything the entry reaches, and the entry's task.
+pub fn split(program: &Program) -> (Table, TaskId) {
+    let mut program = program.clone();
+    lift::loops(&mut program);
+    let tasks = tasks(&program);
+    let entry = program.entry as usize;
+    let drafts = body::split(&mut program.functions, tasks, entry);
+    assemble::table(drafts, &program.functions)
+}
+
+/// Which functions are tasks.
+pub fn tasks(program: &Program) -> Vec<bool> {
+    let graph = Graph::new(&program.functions);
+    let mut is_task = graph.recursive.clone();
+    if let Some(entry) = is_task.get_mut(program.entry as usize) {
+        *entry = true;
+    }
+    for &f in &graph.bottom_up {
+        is_task[f] |= program.functions[f].mark == Mark::Task || graph.callees[f].iter().any(|g| is_task[*g]);
+    }
+    is_task
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,166 @@
+//! Which words a continuation gets, and which statements it evaluates itself to get fewer of them.
+
+use std::collections::HashSet;
+
+use crate::core::walk::{Free, Renumber, free_in_stmt, size};
+use crate::core::{Atom, Op, Stmt, Var};
+use crate::table::{Tail, TailBlock, Token};
+
+/// Operations that cost more than this are never evaluated twice to save a word.
+const CHEAP: u32 = 4;
+
+/// Variables that a body takes from outside, in the order of first use.
+pub fn free(block: &TailBlock) -> Vec<Var> {
+    let mut free = Free::default();
+    see(&mut free, block);
+    free.vars()
+}
+
+fn see(free: &mut Free, block: &TailBlock) {
+    free.stmts(&block.stmts);
+    match &block.tail {
+        Tail::Emit(emission) => {
+            for token in emission {
+                if let Token::Literal(atom) = token {
+                    free.atoms(&[*atom]);
+                }
+            }
+        }
+        Tail::If(cond, yes, no) => {
+            free.atoms(&[*cond]);
+            see(free, yes);
+            see(free, no);
+        }
+        Tail::Again(args) => free.atoms(args),
+    }
+}
+
+/// Copies a body into the variable space of `renumber`.
+pub fn copy(renumber: &mut Renumber, block: &TailBlock) -> TailBlock {
+    let stmts = renumber.stmts(&block.stmts);
+    let tail = match &block.tail {
+        Tail::Emit(emission) => Tail::Emit(emission.iter().map(|t| token(renumber, t)).collect()),
+        Tail::Again(args) => Tail::Again(renumber.atoms(args)),
+        Tail::If(cond, yes, no) => {
+            let cond = renumber.atom(*cond);
+            let yes = Box::new(copy(renumber, yes));
+            Tail::If(cond, yes, Box::new(copy(renumber, no)))
+        }
+    };
+    TailBlock { stmts, tail }
+}
+
+fn token(renumber: &Renumber, token: &Token<Atom>) -> Token<Atom> {
+    match token {
+        Token::Literal(atom) => Token::Literal(renumber.atom(*atom)),
+        Token::Function(f) => Token::Function(*f),
+    }
+}
+
+/// Statements of a body.
+pub fn tail_size(block: &TailBlock) -> usize {
+    let inner = match &block.tail {
+        Tail::If(_, yes, no) => tail_size(yes) + tail_size(no),
+        _ => 0,
+    };
+    size(&block.stmts) + inner
+}
+
+/// Removes statements whose results the block does not use.
+pub fn prune(block: &mut TailBlock) {
+    if let Tail::If(_, yes, no) = &mut block.tail {
+        prune(yes);
+        prune(no);
+    }
+    let stmts = std::mem::take(&mut block.stmts);
+    let mut used: HashSet<Var> = free(block).into_iter().collect();
+    for stmt in stmts.into_iter().rev() {
+        if stmt.dst.iter().any(|v| used.contains(v)) {
+            used.extend(free_in_stmt(&stmt));
+            block.stmts.push(stmt);
+        }
+    }
+    block.stmts.reverse();
+}
+
+/// The statements of `before` that a continuation with body `block` should evaluate itself, chosen so that it has
+/// few live words. Those that `needed` depends on would be evaluated twice, so they must be cheap and save a word.
+pub fn sink(before: &[Stmt], block: &TailBlock, results: &[Var], needed: &HashSet<Var>) -> Vec<Stmt> {
+    let needed = closure(before, needed);
+    let mut live: HashSet<Var> = free(block).into_iter().filter(|v| !results.contains(v)).collect();
+    let mut taken = vec![false; before.len()];
+    for at in (0..before.len()).rev() {
+        if taken[at] || !before[at].dst.iter().any(|v| live.contains(v)) {
+            continue;
+        }
+        let candidates = [vec![at], cone(before, at, &live)];
+        for parts in candidates {
+            let mut after = live.clone();
+            for part in &parts {
+                before[*part].dst.iter().for_each(|v| {
+                    after.remove(v);
+                });
+            }
+            let defined: HashSet<Var> = parts.iter().flat_map(|p| before[*p].dst.iter().copied()).collect();
+            after.extend(
+                parts.iter().flat_map(|p| free_in_stmt(&before[*p])).filter(|v| !defined.contains(v)),
+            );
+            let twice = parts.iter().any(|p| before[*p].dst.iter().any(|v| needed.contains(v)));
+            let cheap = parts.iter().all(|p| is_cheap(&before[*p]));
+            let pays = if twice { cheap && after.len() < live.len() } else { after.len() <= live.len() };
+            if pays {
+                parts.iter().for_each(|p| taken[*p] = true);
+                live = after;
+                break;
+            }
+        }
+    }
+    before.iter().zip(taken).filter(|(_, taken)| *taken).map(|(stmt, _)| stmt.clone()).collect()
+}
+
+/// `vars` and everything of `before` that they depend on.
+fn closure(before: &[Stmt], vars: &HashSet<Var>) -> HashSet<Var> {
+    let mut all = vars.clone();
+    for stmt in before.iter().rev() {
+        if stmt.dst.iter().any(|v| all.contains(v)) {
+            all.extend(free_in_stmt(stmt));
+        }
+    }
+    all
+}
+
+/// Statement `at` with the cheap ones it depends on, down to variables that are live anyway.
+fn cone(before: &[Stmt], at: usize, live: &HashSet<Var>) -> Vec<usize> {
+    let mut wanted: HashSet<Var> = before[at].dst.iter().copied().collect();
+    let mut parts = Vec::new();
+    for i in (0..=at).rev() {
+        let stmt = &before[i];
+        let part =
+            i == at || is_cheap(stmt) && stmt.dst.iter().any(|v| wanted.contains(v) && !live.contains(v));
+        if part && stmt.dst.iter().any(|v| wanted.contains(v)) {
+            wanted.extend(free_in_stmt(stmt));
+            parts.push(i);
+        }
+        if parts.len() > 8 {
+            return vec![at];
+        }
+    }
+    parts.reverse();
+    parts
+}
+
+fn is_cheap(stmt: &Stmt) -> bool {
+    match &stmt.op {
+        Op::Prim(prim, ..) => prim.row().cost <= CHEAP,
+        Op::Live(_) => true,
+        _ => false,
+    }
+}
+
+/// Variables among atoms.
+pub fn vars_of(atoms: &[Atom]) -> impl Iterator<Item = Var> + '_ {
+    atoms.iter().filter_map(|a| match a {
+        Atom::Var(v) => Some(*v),
+        Atom::Const(_) => None,
+    })
+}

@@ -1,0 +1,116 @@
+//! Checks that a table is one that the rewriter can run. The invariants:
+//!
+//! 1. Bodies and helpers are core (see [`crate::core::verify`]); their calls refer to helpers, and a helper calls
+//!    only helpers that stand before it.
+//! 2. Conditions of exits are Bool; `Again` gives every parameter a value of its scalar.
+//! 3. Function tokens refer to tasks. Evaluated in post-order, every function token of an emission finds operands of
+//!    its parameters' scalars in that emission.
+//! 4. All exits of a task leave the same scalars.
+
+use super::{Emission, Table, Tail, TailBlock, Task, Token};
+use crate::core::verify::{Scope, function};
+use crate::core::{Scalar, walk};
+
+/// Scalars that each task comes to leave (none for a task that never ends), or the first broken invariant.
+pub fn table(table: &Table, live: &[Scalar]) -> Result<Vec<Option<Vec<Scalar>>>, String> {
+    for (i, helper) in table.helpers.iter().enumerate() {
+        function(helper, &table.helpers, live)?;
+        if walk::calls(&helper.body.stmts).iter().any(|callee| callee.0 as usize >= i) {
+            return Err(format!("helper {} calls one that does not stand before it", helper.name));
+        }
+    }
+    for task in &table.tasks {
+        let mut scope = Scope::new(&task.vars, &table.helpers, live);
+        scope
+            .define(&task.params)
+            .and_then(|()| tail_block(&mut scope, task, &task.body))
+            .map_err(|why| format!("in `{}`: {why}", task.name))?;
+    }
+    results(table)
+}
+
+fn params(task: &Task) -> Vec<Scalar> {
+    task.params.iter().map(|v| task.vars[v.0 as usize]).collect()
+}
+
+fn tail_block(scope: &mut Scope, task: &Task, block: &TailBlock) -> Result<(), String> {
+    scope.stmts(&block.stmts)?;
+    match &block.tail {
+        Tail::Emit(emission) => {
+            for token in emission {
+                if let Token::Literal(atom) = token {
+                    scope.scalar(*atom)?;
+                }
+            }
+        }
+        Tail::If(cond, yes, no) => {
+            scope.expect(&[*cond], &[Scalar::Bool], "condition of an exit")?;
+            tail_block(scope, task, yes)?;
+            tail_block(scope, task, no)?;
+        }
+        Tail::Again(args) => scope.expect(args, &params(task), "operands of `again`")?,
+    }
+    scope.leave(&block.stmts);
+    Ok(())
+}
+
+/// Results follow from exits whose function tokens have known results, until nothing new is learnt.
+fn results(table: &Table) -> Result<Vec<Option<Vec<Scalar>>>, String> {
+    let mut known: Vec<Option<Vec<Scalar>>> = vec![None; table.tasks.len()];
+    loop {
+        let mut learnt = false;
+        for (i, task) in table.tasks.iter().enumerate() {
+            for emission in task.emissions() {
+                let left = effect(table, task, emission, &known)
+                    .map_err(|why| format!("an emission of `{}`: {why}", task.name))?;
+                match (left, &known[i]) {
+                    (Some(left), None) => {
+                        known[i] = Some(left);
+                        learnt = true;
+                    }
+                    (Some(left), Some(other)) if left != *other => {
+                        return Err(format!("exits of `{}` leave {left:?} and {other:?}", task.name));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        if !learnt {
+            return Ok(known);
+        }
+    }
+}
+
+/// What is left of an emission, as far as it is known.
+fn effect(
+    table: &Table,
+    task: &Task,
+    emission: &Emission,
+    known: &[Option<Vec<Scalar>>],
+) -> Result<Option<Vec<Scalar>>, String> {
+    let mut stack = Vec::new();
+    for token in emission {
+        let id = match token {
+            Token::Literal(crate::core::Atom::Const(c)) => {
+                stack.push(c.scalar());
+                continue;
+            }
+            Token::Literal(crate::core::Atom::Var(v)) => {
+                stack.push(task.vars[v.0 as usize]);
+                continue;
+            }
+            Token::Function(id) => id.0 as usize,
+        };
+        let callee = table.tasks.get(id).ok_or(format!("there is no task {id}"))?;
+        let wanted = params(callee);
+        if !stack.ends_with(&wanted) {
+            return Err(format!("`{}` wants {wanted:?} and finds {stack:?}", callee.name));
+        }
+        stack.truncate(stack.len() - wanted.len());
+        match &known[id] {
+            Some(left) => stack.extend(left),
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(stack))
+}

@@ -1,0 +1,127 @@
+//! The WGSL that the compiler writes: a function for each table entry, helpers, `rewrite`, and `shade` where an image
+//! is fused whole. What it uses and declares is the contract in `docs/design.md`; entry points and bindings are
+//! the runtime's.
+//!
+//! All state is in function-local variables. A loop that is not known to be short spends `fuel` and gives up with
+//! `exhausted`. Constants are written so that no constant expression overflows or is not finite, because WGSL
+//! rejects those.
+
+mod body;
+mod expression;
+mod support;
+mod task;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use crate::core::{Function, Intrinsic};
+use crate::table::{Table, TaskId};
+use body::Writer;
+
+/// The generated part of the shader.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wgsl {
+    pub text: String,
+    /// Reached, in the table's order.
+    pub intrinsics: Vec<Intrinsic>,
+    /// Whether there is a `shade`.
+    pub has_shade: bool,
+    /// Whether it reads `live_word`.
+    pub uses_live: bool,
+}
+
+/// What came up while functions were written.
+#[derive(Default)]
+pub(crate) struct Needs {
+    support: BTreeSet<usize>,
+    intrinsics: BTreeSet<Intrinsic>,
+    live: bool,
+}
+
+/// Writes a verified table.
+pub fn emit(table: &Table, entry: TaskId) -> Wgsl {
+    let mut needs = Needs::default();
+    let fueled = fueled_helpers(table);
+    let mut functions = String::new();
+    for (i, helper) in table.helpers.iter().enumerate() {
+        functions += &helper_function(table, &mut needs, i, helper);
+    }
+    let has_shade = task::is_shade(table.task(entry));
+    if has_shade {
+        functions += &task::shade(table, &mut needs, table.task(entry));
+    }
+    for (i, task) in table.tasks.iter().enumerate() {
+        let id = TaskId(i as u32);
+        functions += &if has_shade && id == entry {
+            task::shaded(task, id)
+        } else {
+            task::function(table, &fueled, &mut needs, task, id)
+        };
+    }
+    let text = format!("{}{functions}{}", support::texts(&needs.support), rewrite(table));
+    let intrinsics = needs.intrinsics.into_iter().collect();
+    Wgsl { text, intrinsics, has_shade, uses_live: needs.live }
+}
+
+/// Parses and validates a whole module; the message shows the offending line.
+pub fn validate(full_module_text: &str) -> Result<(), String> {
+    let module = naga::front::wgsl::parse_str(full_module_text)
+        .map_err(|error| error.emit_to_string(full_module_text))?;
+    let flags = naga::valid::ValidationFlags::all();
+    let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::all());
+    validator.validate(&module).map(|_| ()).map_err(|error| error.emit_to_string(full_module_text))
+}
+
+/// Helpers that may run out of fuel.
+fn fueled_helpers(table: &Table) -> Vec<bool> {
+    let mut fueled = Vec::with_capacity(table.helpers.len());
+    for helper in &table.helpers {
+        let spends = body::spends_fuel(&helper.body.stmts, &fueled);
+        fueled.push(spends);
+    }
+    fueled
+}
+
+fn helper_name(i: usize, helper: &Function) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    format!("h{i}_{}", helper.name.chars().map(plain).collect::<String>())
+}
+
+fn helper_function(table: &Table, needs: &mut Needs, i: usize, helper: &Function) -> String {
+    let mut out = String::new();
+    let name = helper_name(i, helper);
+    let params: Vec<_> =
+        helper.params.iter().map(|v| format!("v{}: {}", v.0, helper.vars[v.0 as usize].name())).collect();
+    let result = match helper.results.as_slice() {
+        [] => String::new(),
+        [one] => format!(" -> {}", one.name()),
+        many => {
+            let fields: Vec<_> =
+                many.iter().enumerate().map(|(i, s)| format!("r{i}: {}", s.name())).collect();
+            let _ = writeln!(out, "struct {name}_result {{ {} }}\n", fields.join(", "));
+            format!(" -> {name}_result")
+        }
+    };
+    let mut writer = Writer::new(table, needs, &helper.vars);
+    writer.open(&format!("fn {name}({}){result} {{", params.join(", ")));
+    writer.stmts(&helper.body.stmts);
+    let results = writer.atoms(&helper.body.results);
+    match helper.results.len() {
+        0 => {}
+        1 => writer.line(&format!("return {results};")),
+        _ => writer.line(&format!("return {name}_result({results});")),
+    }
+    writer.close("}\n");
+    out + &writer.out
+}
+
+fn rewrite(table: &Table) -> String {
+    let mut out = String::from("fn rewrite(task: u32) {\n    switch task {\n");
+    for i in 0..table.tasks.len() {
+        let _ = writeln!(out, "        case {i}u: {{ task_{i}(); }}");
+    }
+    out += "        default: {}\n    }\n}\n";
+    out
+}

@@ -1,8 +1,8 @@
 //! One specialisation of a checked program: entry chosen, parameters fixed, table and code made.
 
+use crate::argument::parse_arguments;
 use crate::back::{self, Back};
 use crate::diagnostic::{Diagnostic, Report};
-use crate::argument::parse_arguments;
 use crate::front::{self, Checked};
 use crate::layout;
 use crate::lower::{self, Setting, Settings};
@@ -69,9 +69,8 @@ pub fn compile(checked: &Checked, options: &Options) -> Result<Compiled, Compile
     let module = &checked.module;
     let (entry, kind) = find_entry(module, options)?;
     let settings = settings(module, options)?;
-    let report = |diagnostics| {
-        CompileError::Program(Report { sources: checked.sources.clone(), diagnostics })
-    };
+    let report =
+        |diagnostics| CompileError::Program(Report { sources: checked.sources.clone(), diagnostics });
     let back = on_large_stack(|| lower::lower(module, entry, &settings).map(back::back)).map_err(report)?;
     let function = &module.functions[entry.0 as usize];
     let warnings = baked(module);
@@ -141,7 +140,9 @@ fn find_entry(module: &Module, options: &Options) -> Result<(FunctionId, EntryKi
             };
             format!("the program has no `fn main`{hint}")
         }
-        (None, None) => "the program has neither `fn main` nor `fn pixel`; name an entry with --entry NAME".into(),
+        (None, None) => {
+            "the program has neither `fn main` nor `fn pixel`; name an entry with --entry NAME".into()
+        }
     }))
 }
 

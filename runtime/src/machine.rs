@@ -3,8 +3,10 @@
 use crate::config::{Config, Rewriter, Stats};
 use crate::error::RunError;
 use crate::gpu::{self, Gpu, GpuError, GpuOptions};
+use crate::gpu_terrain::GpuTerrain;
+use crate::image::Image;
 use crate::oracle::{self, OracleOptions};
-use crate::terrain::Scene;
+use crate::terrain::{Scene, wgsl};
 use crate::twin::Twin;
 use crate::value::Value;
 use crate::world::World;
@@ -69,21 +71,17 @@ pub struct Job<'a> {
     pub scene: Option<&'a Scene>,
 }
 
-/// Pixels row by row from the top, components one after the other.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    pub width: u32,
-    pub height: u32,
-    pub components: u32,
-    pub data: Vec<f32>,
-}
-
 impl Job<'_> {
     /// Value of a value entry.
-    pub fn run(&self, machine: &Machine, args: &[Value], config: &Config) -> Result<(Value, Stats), RunError> {
+    pub fn run(
+        &self,
+        machine: &Machine,
+        args: &[Value],
+        config: &Config,
+    ) -> Result<(Value, Stats), RunError> {
         let module = &self.checked.module;
         let back = &self.compiled.back;
-        let words = match machine {
+        let (words, stats) = match machine {
             Machine::Oracle(precision) => {
                 let started = std::time::Instant::now();
                 let value = oracle::evaluate(
@@ -102,10 +100,10 @@ impl Job<'_> {
             Machine::Gpu(gpu) => {
                 let mut engine = self.engine(gpu, config, 0)?;
                 let outcome = engine.run(&self.stream(args)?)?;
-                (outcome.words, stats(&outcome.stats))
+                (outcome.words, gpu_stats(&outcome.stats))
             }
         };
-        Ok((Value::unflatten(&words.0, &self.compiled.result, module)?, words.1))
+        Ok((Value::unflatten(&words, &self.compiled.result, module)?, stats))
     }
 
     /// Picture of an image entry.
@@ -114,7 +112,7 @@ impl Job<'_> {
         machine: &Machine,
         (width, height): (u32, u32),
         config: &Config,
-    ) -> Result<(Picture, Stats), RunError> {
+    ) -> Result<(Image, Stats), RunError> {
         let module = &self.checked.module;
         let back = &self.compiled.back;
         let components = self.compiled.result_words(module);
@@ -128,27 +126,33 @@ impl Job<'_> {
                 (data, Stats { total: started.elapsed(), ..Stats::default() })
             }
             Machine::Cpu => {
-                Twin::new(&back.table)?.render(width, height, components, back.entry, config, self.world())?
+                let twin = Twin::new(&back.table)?;
+                twin.render((width, height), components, back.entry, config, self.world())?
             }
             Machine::Gpu(gpu) => {
                 let mut engine = self.engine(gpu, config, components)?;
                 let frame = engine.render(width, height, back.entry.0)?;
-                (frame.words, stats(&frame.stats))
+                (frame.words, gpu_stats(&frame.stats))
             }
         };
-        Ok((Picture { width, height, components, data }, stats))
+        let image =
+            Image::new(width, height, components, data).map_err(|e| RunError::Internal(e.to_string()))?;
+        Ok((image, stats))
     }
 
     /// The program's kernels on a device, for repeated runs.
     pub fn engine(&self, gpu: &Gpu, config: &Config, components: u32) -> Result<gpu::Engine, RunError> {
-        let wgsl = &self.compiled.back.wgsl;
-        let bound = match (self.scene, wgsl.intrinsics.is_empty()) {
-            (Some(scene), false) => Some(crate::gpu_terrain::bind(gpu, scene, &wgsl.intrinsics)),
-            _ => None,
-        };
-        let (prelude, scene) = match bound {
-            Some(bound) => (bound.text, Some(bound.scene)),
-            None => (String::new(), None),
+        let intrinsics = &self.compiled.back.wgsl.intrinsics;
+        let (prelude, scene) = match self.scene {
+            Some(scene) if !intrinsics.is_empty() => {
+                let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
+                    .map_err(|e| RunError::Device(e.to_string()))?;
+                let layout = GpuTerrain::layout(&gpu.device);
+                let group = terrain.bind_group(&gpu.device, &layout);
+                let text = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
+                (text, Some(gpu::Scene { layout, group }))
+            }
+            _ => (String::new(), None),
         };
         let code = self.code(prelude);
         Ok(gpu::Engine::with_components(gpu, code, gpu_config(config), scene, components)?)
@@ -250,7 +254,7 @@ fn gpu_config(config: &Config) -> gpu::Config {
     }
 }
 
-fn stats(gpu: &gpu::Stats) -> Stats {
+fn gpu_stats(gpu: &gpu::Stats) -> Stats {
     Stats {
         rounds: gpu.rounds,
         rewrites: gpu.rewrites,

@@ -15,7 +15,8 @@ const STATE_WORDS: usize = size_of::<State>() / 4;
 /// Workgroups of one dispatch's row.
 const MOST_GROUPS: u32 = 32768;
 /// Steps that a lane may make in a dispatch before it leaves its last pixel to the rounds.
-const PIXEL_FUEL: i32 = 1 << 14;
+pub const PIXEL_FUEL: i32 = 1 << 13;
+const LEAST_PIXEL_FUEL: i32 = 32;
 /// Steps after which a lane draws no further pixel in a dispatch.
 pub const PIXEL_SHARE: i32 = 128;
 /// Steps of fused loops in one pixel of `direct`, to begin with.
@@ -128,7 +129,7 @@ impl Engine {
         let total = width.div_ceil(8) * height.div_ceil(8) * 64;
         let mut pixel = 0;
         while pixel < total {
-            let fuel = self.cap.min(PIXEL_FUEL);
+            let fuel = self.cap.min(self.pixel_fuel);
             let soft = (fuel - self.pixel_share).max(0);
             let params = Params { width, height, entry, last: total, fuel, soft, ..self.params() };
             let groups = self.pixel_groups;
@@ -137,6 +138,7 @@ impl Engine {
             let time = self.play(job, Kernel::DrawPixels, [groups, 1], &params, &mut state)?;
             self.check_limits(job)?;
             if state.flags & FLAG_LOOPS != 0 {
+                state.culprit = entry;
                 self.lower_pixel_share(&state)?;
                 continue;
             }
@@ -152,12 +154,13 @@ impl Engine {
         Ok(())
     }
 
-    /// After loops were cut short by the adapter: fewer pixels for each lane of a dispatch, down to one.
+    /// After loops were cut short by the adapter: fewer pixels for a lane in one dispatch, and less of its last one.
     fn lower_pixel_share(&mut self, state: &State) -> Result<(), RunError> {
-        if self.pixel_share == 1 {
+        if self.pixel_share == 1 && self.pixel_fuel <= LEAST_PIXEL_FUEL {
             return Err(self.loop_too_long(state));
         }
         self.pixel_share = (self.pixel_share / 4).max(1);
+        self.pixel_fuel = (self.pixel_fuel / 4).max(LEAST_PIXEL_FUEL);
         Ok(())
     }
 

@@ -114,10 +114,16 @@ impl Pipelines {
         layouts
     }
 
-    /// Compiles the kernel if that has not been done yet.
-    pub fn prepare(&mut self, gpu: &Gpu, kernel: Kernel, shape: &Shape, code: &Code) -> Result<(), RunError> {
+    /// Compiles the kernel; false if that had been done.
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        kernel: Kernel,
+        shape: &Shape,
+        code: &Code,
+    ) -> Result<bool, RunError> {
         if self.ready.contains_key(&kernel) {
-            return Ok(());
+            return Ok(false);
         }
         let start = Instant::now();
         let text = source(kernel, shape, code)?;
@@ -145,7 +151,7 @@ impl Pipelines {
         }
         self.ready.insert(kernel, pipeline);
         self.compiling += start.elapsed();
-        Ok(())
+        Ok(true)
     }
 
     fn module(&self, device: &wgpu::Device, kernel: Kernel, text: String) -> wgpu::ShaderModule {

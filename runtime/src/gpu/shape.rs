@@ -36,9 +36,9 @@ pub struct Shape {
     pub can_exhaust: bool,
 }
 
-/// What a lane may leave behind: its window, a task, and the rest as one token.
+/// What a lane may leave behind: its window, a task, and what is far as one token on each side.
 fn output(window: u32) -> u32 {
-    window + 2
+    window + 3
 }
 
 impl Shape {
@@ -47,12 +47,12 @@ impl Shape {
         let arity = code.arities.iter().copied().max().unwrap_or(0).max(store);
         let emission = code.longest_emission.max(store + 1).max(4);
         let least = 4 * (arity + emission);
-        let block = config.block.max(least + 2).next_multiple_of(32);
+        let block = config.block.max(least + 3).next_multiple_of(32);
         if block > LONGEST_BLOCK {
             return Err(RunError::ArityTooLong { arity, limit: LONGEST_BLOCK / 8 });
         }
         let wide = config.rewriter == Rewriter::Block || components != 0;
-        let window = if wide { least } else { least.max(64) }.min(block - 2);
+        let window = if wide { least } else { least.max(64) }.min(block - 3);
         Ok(Shape {
             block,
             window,

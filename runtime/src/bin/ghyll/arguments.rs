@@ -22,8 +22,10 @@ pub enum Command {
     #[command(after_help = "Example:\n  ghyll run lang-examples/fib.ghyll -- 25")]
     Run(Run),
     /// Render an image entry (`fn pixel`); without a file the built-in example on the built-in elevation data.
-    #[command(after_help = "Examples:\n  ghyll render\n  ghyll render --view topdown --size 800x800 -o fuji.png\n  \
-                            ghyll render my.ghyll --dem alps.tif --sun 315,30 -o alps.exr")]
+    #[command(
+        after_help = "Examples:\n  ghyll render\n  ghyll render --view topdown --size 800x800 -o fuji.png\n  \
+                            ghyll render my.ghyll --dem alps.tif --sun 315,30 -o alps.exr"
+    )]
     Render(Box<Render>),
     /// Look for mistakes only.
     Check(Check),

@@ -76,7 +76,9 @@ fn adapters(as_json: bool) -> Result<(), Failure> {
     }
     println!("ghyll {}", env!("CARGO_PKG_VERSION"));
     if adapters.is_empty() {
-        println!("no GPU adapter: programs run on the CPU twin. Install a Vulkan, Metal or Direct3D 12 driver; on Linux");
+        println!(
+            "no GPU adapter: programs run on the CPU twin. Install a Vulkan, Metal or Direct3D 12 driver; on Linux"
+        );
         println!("Mesa's package (mesa-vulkan-drivers, vulkan-swrast) has a software one");
     }
     for a in adapters {

@@ -13,8 +13,7 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
         On::Cpu => Wanted::Cpu,
         On::Oracle => Wanted::Oracle,
     };
-    let options =
-        GpuOptions { adapter: arguments.adapter.clone(), validate_indirect: arguments.checked };
+    let options = GpuOptions { adapter: arguments.adapter.clone(), validate_indirect: arguments.checked };
     let machine = Machine::open(wanted, &options).map_err(|e| Failure::Usage(e.to_string()))?;
     let config = Config {
         rewriter: match arguments.rewriter {

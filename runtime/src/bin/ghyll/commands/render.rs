@@ -32,8 +32,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let outcome = job.render(&machine, (width, height), &config);
     progress.finish();
     let (picture, stats) = outcome.map_err(Failure::run)?;
-    image::write(&arguments.output, width, height, picture.components, &picture.data)
-        .map_err(|e| Failure::Input(e.to_string()))?;
+    picture.save(&arguments.output).map_err(|e| Failure::Input(e.to_string()))?;
     eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
     report::stats(&arguments.machine, &machine, &stats);
     Ok(())

@@ -4,9 +4,10 @@ use super::{checked, compiled, machine, read, scene};
 use crate::arguments::Run;
 use crate::failure::Failure;
 use crate::report;
+use ghyll_compiler::argument::parse_arguments;
 use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::core::Const;
-use ghyll_compiler::front::{Checked, parse_arguments};
+use ghyll_compiler::front::Checked;
 use ghyll_runtime::machine::{Job, evaluate_argument};
 use ghyll_runtime::value::Value;
 
@@ -46,8 +47,7 @@ pub fn arguments(checked: &Checked, compiled: &Compiled, texts: &[String]) -> Re
     for (text, ty) in texts.iter().zip(&compiled.params) {
         let argument = parse_arguments(&checked.module, text, ty)
             .map_err(|report| Failure::Diagnostics { report, json: false })?;
-        let value =
-            evaluate_argument(checked, argument.expr, argument.locals, ty).map_err(Failure::run)?;
+        let value = evaluate_argument(checked, argument.expr, argument.locals, ty).map_err(Failure::run)?;
         values.push(value);
     }
     Ok(values)

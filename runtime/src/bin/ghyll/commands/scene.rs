@@ -13,14 +13,14 @@ pub fn terrain(arguments: &TerrainArguments) -> Result<Terrain, Failure> {
     let options = DemOptions {
         spacing: arguments.spacing,
         heights: arguments.heights,
-        encoding: arguments.encoding.as_deref().map(|name| match name {
-            "terrarium" => Encoding::Terrarium,
-            "terrain-rgb" => Encoding::TerrainRgb,
-            _ => Encoding::Grey,
-        }),
+        encoding: arguments.encoding.as_deref().and_then(encoding),
         voids: if arguments.voids == "fill" { Voids::Fill } else { Voids::Hole },
     };
     open(arguments.dem.as_deref(), &options)
+}
+
+fn encoding(name: &str) -> Option<Encoding> {
+    Encoding::ALL.iter().find(|(known, _)| *known == name).map(|(_, encoding)| *encoding)
 }
 
 pub fn open(path: Option<&Path>, options: &DemOptions) -> Result<Terrain, Failure> {
@@ -50,13 +50,12 @@ pub fn of_render(arguments: &Render) -> Result<Scene, Failure> {
         None => Sun::default(),
     };
     let [width, height] = arguments.size;
-    let options =
-        SceneOptions { view, size: (width, height), sun, exaggerate: arguments.terrain.exaggerate };
+    let options = SceneOptions { view, size: (width, height), sun, exaggerate: arguments.terrain.exaggerate };
     build(terrain(&arguments.terrain)?, &options)
 }
 
 fn named(name: &str) -> Result<NamedView, Failure> {
-    NamedView::named(name).map_err(|e| Failure::Usage(e.to_string()))
+    name.parse::<NamedView>().map_err(|e| Failure::Usage(e.to_string()))
 }
 
 fn build(terrain: Terrain, options: &SceneOptions) -> Result<Scene, Failure> {

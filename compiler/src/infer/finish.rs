@@ -253,14 +253,14 @@ impl Finish<'_, '_> {
         if !self.infer.has_errors()
             && let Some(missing) = exhaustive::refuted(self.module(), &pattern)
         {
+            let title = match missing.as_str() {
+                "_" => "this pattern does not fit every value".to_owned(),
+                missing => format!("this pattern does not fit `{missing}`"),
+            };
             self.report(
-                Diagnostic::error(
-                    codes::REFUTABLE,
-                    pattern.span,
-                    format!("this pattern does not fit `{missing}`"),
-                )
-                .label("may fail")
-                .help("a `let` and a parameter take patterns that always fit; use `match` for the others"),
+                Diagnostic::error(codes::REFUTABLE, pattern.span, title)
+                    .label("may fail")
+                    .help("a `let` and a parameter take patterns that always fit; use `match` for the others"),
             );
         }
         Let { pattern, value }

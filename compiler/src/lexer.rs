@@ -173,8 +173,8 @@ pub type Spanned<'s> = (usize, Lexeme<'s>, usize);
 pub struct Lexed<'s> {
     pub lexemes: Vec<Spanned<'s>>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Opening brackets that are never closed.
-    pub unclosed: Vec<Span>,
+    /// Opening brackets that are never closed, with what would close them.
+    pub unclosed: Vec<(Span, char)>,
 }
 
 pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
@@ -186,12 +186,13 @@ pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
     } else {
         reader.run();
     }
-    reader.lexed.unclosed = reader.brackets.iter().map(|b| b.span).collect();
+    reader.lexed.unclosed = reader.brackets.iter().map(|b| (b.span, b.close)).collect();
     reader.lexed
 }
 
 struct Bracket {
     span: Span,
+    close: char,
     /// The `{` follows `=>`.
     arm: bool,
 }
@@ -221,11 +222,11 @@ impl<'s> Reader<'s> {
                 }
                 continue;
             }
-            if let Lexeme::Number(digits) = lexeme {
-                if self.ends_float(digits, end) {
-                    lexer.bump(1);
-                    end += 1;
-                }
+            if let Lexeme::Number(digits) = lexeme
+                && self.ends_float(digits, end)
+            {
+                lexer.bump(1);
+                end += 1;
             }
             if let Some(at) = comma_due.take()
                 && !matches!(lexeme, Lexeme::Comma | Lexeme::RBrace)
@@ -288,12 +289,10 @@ impl<'s> Reader<'s> {
         ) || self.after_tuple_field(start);
         let lexemes = &mut self.lexed.lexemes;
         // `t.0`, `t.0.1`
-        if after_value && let Some(fields) = digits.strip_prefix('.') {
-            if let Ok(field) = fields.parse() {
-                lexemes.push((start, Lexeme::Dot, start + 1));
-                lexemes.push((start + 1, Lexeme::Int(field), end));
-                return;
-            }
+        if after_value && let Some(Ok(field)) = digits.strip_prefix('.').map(str::parse) {
+            lexemes.push((start, Lexeme::Dot, start + 1));
+            lexemes.push((start + 1, Lexeme::Int(field), end));
+            return;
         }
         match number(&self.text[start..end]) {
             Ok(lexeme) => lexemes.push((start, lexeme, end)),
@@ -314,7 +313,12 @@ impl<'s> Reader<'s> {
             Lexeme::LParen | Lexeme::LBracket | Lexeme::LBrace => {
                 let after_arrow = matches!(self.lexed.lexemes.last(), Some((_, Lexeme::FatArrow, _)));
                 let arm = lexeme == Lexeme::LBrace && after_arrow;
-                self.brackets.push(Bracket { span: Span::new(self.source, start, end), arm });
+                let close = match lexeme {
+                    Lexeme::LParen => ')',
+                    Lexeme::LBracket => ']',
+                    _ => '}',
+                };
+                self.brackets.push(Bracket { span: Span::new(self.source, start, end), close, arm });
                 if self.brackets.len() > MAX_NESTING {
                     let title = format!("brackets nest more than {MAX_NESTING} deep");
                     self.error(codes::TOO_DEEP, start, end, &title).help =

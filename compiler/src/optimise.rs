@@ -8,6 +8,7 @@ mod dead;
 mod fold;
 mod inline;
 mod motion;
+mod nesting;
 mod specialise;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -38,6 +39,7 @@ pub const PASSES: &[(&str, Pass)] = &[
     ("fold constants and known branches", fold::fold),
     ("unused values, parameters and results", dead::unused),
     ("unreachable functions", dead::unreachable),
+    ("nesting", nesting::bound),
     ("number variables anew", dead::compact),
 ];
 

@@ -55,7 +55,9 @@ fn parse<T>(source: SourceId, text: &str, run: impl FnOnce(&mut Context, &[Spann
     let Lexed { lexemes, diagnostics, unclosed } = lex(source, text);
     // The text was cut off: what follows would only repeat that.
     let cut = diagnostics.iter().any(|d| [codes::TOO_DEEP, codes::TOO_LONG].contains(&d.code));
-    let ends = lexemes.iter().map(|&(_, _, end)| end).collect();
+    let ends: Vec<usize> = lexemes.iter().map(|&(_, _, end)| end).collect();
+    let index = |d: &Diagnostic| ends.partition_point(|&end| end <= d.primary.0.start as usize);
+    let errors_at = diagnostics.iter().map(index).collect();
     let mut cx = Context {
         source,
         text_end: text.len(),
@@ -63,7 +65,7 @@ fn parse<T>(source: SourceId, text: &str, run: impl FnOnce(&mut Context, &[Spann
         unclosed,
         diagnostics: Vec::new(),
         too_deep: false,
-        last_error: None,
+        errors_at,
     };
     let tree = run(&mut cx, &lexemes);
     let mut all = diagnostics;
@@ -82,11 +84,11 @@ pub struct Context {
     text_end: usize,
     /// Where each lexeme ends.
     ends: Vec<usize>,
-    unclosed: Vec<Span>,
+    unclosed: Vec<(Span, char)>,
     diagnostics: Vec<Diagnostic>,
     too_deep: bool,
-    /// Index of the lexeme where the last syntax error was.
-    last_error: Option<usize>,
+    /// Indices of the lexemes where something was wrong.
+    errors_at: Vec<usize>,
 }
 
 /// A field of a constructor pattern.
@@ -329,7 +331,7 @@ impl Context {
             self.expr(ExprKind::Error, end, end)
         });
         if lets.is_empty() {
-            return Expr { span: self.span(start, end), ..value };
+            return value;
         }
         self.expr(ExprKind::Block(lets, Box::new(value)), start, end)
     }

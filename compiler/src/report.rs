@@ -1,6 +1,6 @@
 //! Diagnostics as text for people (ariadne) and as JSON for tools.
 
-use ariadne::{CharSet, Config, IndexType, Label, ReportKind};
+use ariadne::{CharSet, Color, Config, IndexType, Label, ReportKind};
 use serde_json::{Value, json};
 
 use crate::diagnostic::{Diagnostic, Report, Severity};
@@ -8,48 +8,47 @@ use crate::source::{Source, Sources, Span};
 
 /// Every diagnostic with the lines it is about.
 pub fn render(report: &Report, color: bool) -> String {
-    report.diagnostics.iter().map(|d| render_one(&report.sources, d, color)).collect()
+    let mut cache = ariadne::sources(report.sources.iter().map(|s| (s.name.clone(), s.text.as_str())));
+    let mut text = Vec::new();
+    for diagnostic in &report.diagnostics {
+        let before = text.len();
+        if drawing(&report.sources, diagnostic, color).write(&mut cache, &mut text).is_err() {
+            text.truncate(before);
+            text.extend(plain(&report.sources, diagnostic).bytes());
+        }
+    }
+    String::from_utf8_lossy(&text).into_owned()
 }
 
-fn render_one(sources: &Sources, diagnostic: &Diagnostic, color: bool) -> String {
-    let kind = match diagnostic.severity {
-        Severity::Error => ReportKind::Error,
-        Severity::Warning => ReportKind::Warning,
+type Place = (String, std::ops::Range<usize>);
+
+fn drawing<'a>(sources: &Sources, diagnostic: &'a Diagnostic, color: bool) -> ariadne::Report<'a, Place> {
+    let (kind, shade) = match diagnostic.severity {
+        Severity::Error => (ReportKind::Error, Color::Red),
+        Severity::Warning => (ReportKind::Warning, Color::Yellow),
     };
     let place = |span: Span| (sources.get(span.source).name.clone(), span.start as usize..span.end as usize);
     // The lexer counts bytes, ariadne characters unless it is told.
     let config =
         Config::default().with_index_type(IndexType::Byte).with_color(color).with_char_set(CharSet::Unicode);
     let (span, text) = &diagnostic.primary;
-    let mut builder = ariadne::Report::build(kind, place(*span))
+    let alone = if diagnostic.secondary.is_empty() { "here" } else { "" };
+    let mut labels = vec![(*span, if text.is_empty() { alone } else { text }, shade)];
+    labels.extend(diagnostic.secondary.iter().map(|(span, text)| (*span, text.as_str(), Color::Cyan)));
+    // Lines of one text are drawn together only if they come in order.
+    labels.sort_by_key(|(at, ..)| (at.source != span.source, at.source, at.start));
+    let mut report = ariadne::Report::build(kind, place(*span))
         .with_config(config)
         .with_code(diagnostic.code)
         .with_message(&diagnostic.title);
-    let label = if text.is_empty() { "here" } else { text };
-    let mut primary = Label::new(place(*span)).with_message(label).with_priority(1);
-    if color {
-        primary = primary.with_color(match diagnostic.severity {
-            Severity::Error => ariadne::Color::Red,
-            Severity::Warning => ariadne::Color::Yellow,
-        });
-    }
-    builder = builder.with_label(primary);
-    for (span, text) in &diagnostic.secondary {
-        let mut label = Label::new(place(*span)).with_message(text);
-        if color {
-            label = label.with_color(ariadne::Color::Cyan);
-        }
-        builder = builder.with_label(label);
+    for (at, text, shade) in labels {
+        let label = Label::new(place(at)).with_color(shade);
+        report = report.with_label(if text.is_empty() { label } else { label.with_message(text) });
     }
     if let Some(help) = &diagnostic.help {
-        builder = builder.with_help(help);
+        report = report.with_help(help);
     }
-    let cache = ariadne::sources(sources.iter().map(|s| (s.name.clone(), s.text.clone())));
-    let mut text = Vec::new();
-    match builder.finish().write(cache, &mut text) {
-        Ok(()) => String::from_utf8_lossy(&text).into_owned(),
-        Err(_) => plain(sources, diagnostic),
-    }
+    report.finish()
 }
 
 /// One line, should the drawing fail.
@@ -137,6 +136,6 @@ mod tests {
         assert_eq!((first["line"].as_u64(), first["column"].as_u64()), (Some(2), Some(10)));
         assert_eq!((first["end_line"].as_u64(), first["end_column"].as_u64()), (Some(2), Some(11)));
         assert_eq!(first["code"], "E0202");
-        assert_eq!(first["secondary"][0]["column"], 1 + 0);
+        assert_eq!(first["secondary"][0]["column"], 1);
     }
 }

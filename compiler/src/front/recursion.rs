@@ -1,5 +1,6 @@
 //! What only the whole program shows: constants and parameters that need their own value, constants that
-//! read parameters, and generic functions whose type arguments grow from call to call.
+//! read parameters, recursive functions marked `@inline`, and generic functions whose type arguments grow
+//! from call to call.
 
 use std::collections::{HashMap, HashSet};
 
@@ -17,6 +18,9 @@ pub fn check(module: &Module, out: &mut Vec<Diagnostic>) {
     for i in 0..module.params.len() {
         values.check(Node::Param(ParamId(i as u32)), out);
     }
+    for (i, f) in module.functions.iter().enumerate().filter(|(_, f)| f.attributes.inline) {
+        values.check_inline(FunctionId(i as u32), &f.name, f.span, out);
+    }
     growing(module, out);
 }
 
@@ -30,7 +34,7 @@ enum Node {
 /// What the value of each item needs.
 struct Values<'a> {
     module: &'a Module,
-    needs: HashMap<Node, Vec<Node>>,
+    needs: HashMap<Node, Vec<(Node, Span)>>,
 }
 
 impl<'a> Values<'a> {
@@ -62,54 +66,78 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Items that evaluating one item may evaluate. A function that is only named is not run.
-    fn evaluated(&self, start: Node) -> Vec<Node> {
-        let own = self.needs.get(&start).map_or(&[][..], Vec::as_slice);
+    /// Items that evaluating one item may evaluate, and where. A function that is only named is not run.
+    fn evaluated(&self, start: Node) -> impl Iterator<Item = (Node, Span)> + '_ {
         let is_function_value = match start {
             Node::Const(id) => matches!(self.module.consts[id.0 as usize].ty, Type::Fn(..)),
             Node::Param(id) => matches!(self.module.params[id.0 as usize].ty, Type::Fn(..)),
             Node::Function(_) => false,
         };
-        let runs = |node: &&Node| !(is_function_value && matches!(node, Node::Function(_)));
-        own.iter().filter(runs).copied().collect()
+        let own = self.needs.get(&start).map_or(&[][..], Vec::as_slice);
+        own.iter().copied().filter(move |(node, _)| !(is_function_value && matches!(node, Node::Function(_))))
+    }
+
+    /// Whether evaluating `from` may evaluate something, and what.
+    fn find(&self, from: Node, wanted: impl Fn(Node) -> bool) -> Option<Node> {
+        let mut seen = HashSet::new();
+        let mut work = vec![from];
+        while let Some(node) = work.pop() {
+            if wanted(node) {
+                return Some(node);
+            }
+            if seen.insert(node) {
+                work.extend(self.evaluated(node).map(|(next, _)| next));
+            }
+        }
+        None
     }
 
     fn check(&self, item: Node, out: &mut Vec<Diagnostic>) {
-        let mut seen = HashSet::new();
-        let mut work = self.evaluated(item);
         let (name, span) = self.name_and_span(item);
-        while let Some(node) = work.pop() {
-            if !seen.insert(node) {
-                continue;
-            }
-            if node == item {
+        for (node, used) in self.evaluated(item) {
+            if self.find(node, |n| n == item).is_some() {
                 out.push(
                     Diagnostic::error(codes::CYCLIC_CONSTANT, span, format!("`{name}` needs its own value"))
+                        .also(used, "by way of this")
                         .help("constants and defaults are computed before the program runs, so they cannot refer to each other in a cycle"),
                 );
                 return;
             }
-            if let (Node::Const(_), Node::Param(_)) = (item, node) {
-                let (param, at) = self.name_and_span(node);
+            let constant = matches!(item, Node::Const(_));
+            if let (true, Some(param)) = (constant, self.find(node, |n| matches!(n, Node::Param(_)))) {
+                let (param, at) = self.name_and_span(param);
                 let title = format!("the constant `{name}` reads the parameter `{param}`");
                 out.push(
-                    Diagnostic::error(codes::CONSTANT_PARAM, span, title)
+                    Diagnostic::error(codes::CONSTANT_PARAM, used, title)
                         .also(at, "set by the host")
                         .help("a constant never changes: make it a function without parameters"),
                 );
                 return;
             }
-            work.extend(self.evaluated(node));
         }
+    }
+
+    fn check_inline(&self, id: FunctionId, name: &str, span: Span, out: &mut Vec<Diagnostic>) {
+        let own = Node::Function(id);
+        let Some((_, used)) = self.evaluated(own).find(|(node, _)| self.find(*node, |n| n == own).is_some())
+        else {
+            return;
+        };
+        let title = format!("`{name}` is recursive, so `@inline` cannot be followed");
+        out.push(
+            Diagnostic::error(codes::INLINE_RECURSION, span, title)
+                .also(used, "leads back to it")
+                .help("remove `@inline`"),
+        );
     }
 }
 
-fn uses(e: &Expr) -> Vec<Node> {
+fn uses(e: &Expr) -> Vec<(Node, Span)> {
     let mut nodes = Vec::new();
     walk(e, &mut |e| match e.kind {
-        ExprKind::Const(id) => nodes.push(Node::Const(id)),
-        ExprKind::Param(id) => nodes.push(Node::Param(id)),
-        ExprKind::Function(id, _) => nodes.push(Node::Function(id)),
+        ExprKind::Const(id) => nodes.push((Node::Const(id), e.span)),
+        ExprKind::Param(id) => nodes.push((Node::Param(id), e.span)),
+        ExprKind::Function(id, _) => nodes.push((Node::Function(id), e.span)),
         _ => {}
     });
     nodes
@@ -142,7 +170,7 @@ fn growing(module: &Module, out: &mut Vec<Diagnostic>) {
     for (from, to, span) in grows {
         if reaches(&flows, to, from) && reported.insert(from.0) {
             let f = &module.functions[from.0 as usize];
-            let title = format!("`{}` calls itself with ever larger types", f.name);
+            let title = format!("polymorphic recursion: `{}` calls itself with ever larger types", f.name);
             out.push(
                 Diagnostic::error(codes::POLYMORPHIC_RECURSION, span, title)
                     .label(format!("here `{}` is part of a larger type", f.generics[from.1 as usize]))

@@ -164,8 +164,11 @@ impl Infer<'_, '_> {
         let types = function.param_types().enumerate();
         let params: Params = types.map(|(i, t)| (self.table.import(t, &args), spans(i))).collect();
         let result = self.table.import(&function.result, &args);
+        let before = self.out.len();
         let nodes = self.arguments(name, &params, arguments, span, Some(function.span));
         let ty = self.table.add(Form::Fn(params.iter().map(|(ty, _)| *ty).collect(), result));
+        // Wrong arguments may have made the wrong instance.
+        let result = if self.out.len() > before && !args.is_empty() { Ty::ERROR } else { result };
         let callee = Node { kind: Kind::Function(id, args), ty, span: at };
         self.settle(Kind::Call(Box::new(callee), nodes), result, span, want)
     }
@@ -228,7 +231,10 @@ impl Infer<'_, '_> {
             .filter(|(_, node)| node.is_none())
             .map(|((n, _), _)| format!("`{n}`"))
             .collect();
-        if !missing.is_empty() && arguments.iter().all(|a| a.name.is_some()) {
+        // A field with a wrong name explains one that is missing.
+        let all_known =
+            |a: &Argument| a.name.as_ref().is_some_and(|n| declared.fields.iter().any(|(f, _)| *f == n.text));
+        if !missing.is_empty() && arguments.iter().all(all_known) {
             let title = format!("`{name}` is built without {}", missing.join(", "));
             self.report(
                 Diagnostic::error(codes::MISSING_FIELD, span, title)

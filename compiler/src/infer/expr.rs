@@ -85,8 +85,8 @@ impl Infer<'_, '_> {
             return self.integer(*value, true, span, want);
         }
         let operand = self.any(operand);
-        let ty = operand.ty;
-        self.goal(GoalKind::Unary { op, operand: ty }, span);
+        let ty = self.fresh(span);
+        self.goal(GoalKind::Unary { op, operand: operand.ty, result: ty }, span);
         self.settle(Kind::Unary(op, Box::new(operand)), ty, span, want)
     }
 
@@ -254,11 +254,8 @@ impl Infer<'_, '_> {
             && types.len() != params.len()
         {
             let (has, needs) = (count(params.len(), "parameter"), count(types.len(), "argument"));
-            let diagnostic = Diagnostic::error(
-                codes::ARGUMENTS,
-                span,
-                format!("this lambda has {has}, but it gets {needs}"),
-            );
+            let title = format!("this lambda has {has}, but it gets {needs}");
+            let diagnostic = Diagnostic::error(codes::ARGUMENTS, span, title).label("this lambda");
             self.report(match want.why {
                 Some((at, text)) => diagnostic.also(at, text),
                 None => diagnostic,

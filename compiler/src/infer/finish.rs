@@ -84,7 +84,9 @@ impl Finish<'_, '_> {
                     return Type::Error;
                 }
                 Err(Unfinished::Unknown(var)) => {
-                    if !self.quiet {
+                    // One such report explains what is only computed from it.
+                    let derived = matches!(self.infer.table.origin(var), Some(Origin::Value(_)));
+                    if !self.quiet && !(derived && self.infer.has_errors()) {
                         let diagnostic = unknown(self.infer.table.origin(var), span);
                         self.report(diagnostic);
                     }
@@ -311,7 +313,7 @@ impl Finish<'_, '_> {
 
     fn comparable(&mut self, ty: Ty, span: Span) {
         let ty = self.ty(ty, span);
-        if self.has_function(&ty, &mut HashSet::new()) {
+        if !self.infer.has_errors() && self.has_function(&ty, &mut HashSet::new()) {
             let shown = show_type(self.module(), self.infer.place.generics, &ty);
             self.report(
                 Diagnostic::error(

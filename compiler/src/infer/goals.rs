@@ -27,6 +27,7 @@ pub enum GoalKind {
     Unary {
         op: UnaryOp,
         operand: Ty,
+        result: Ty,
     },
     /// Field, tuple component or swizzle; only a field where it is updated.
     Field {
@@ -104,7 +105,7 @@ impl Infer<'_, '_> {
             GoalKind::Binary { op, left, right, result } => {
                 self.solve_binary(*op, *left, *right, *result, span, guess)
             }
-            GoalKind::Unary { op, operand } => self.solve_unary(*op, *operand, span),
+            GoalKind::Unary { op, operand, result } => self.solve_unary(*op, *operand, *result, span),
             GoalKind::Field { base, name, result, update } => self.solve_field(*base, name, *result, *update),
             GoalKind::Index { base, index, result } => self.solve_index(*base, *index, *result, span, guess),
             GoalKind::Builtin { builtin, args, result } => {

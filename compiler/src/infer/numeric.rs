@@ -266,31 +266,35 @@ impl Infer<'_, '_> {
         }
     }
 
-    pub(super) fn solve_unary(&mut self, op: UnaryOp, operand: Ty, span: Span) -> bool {
+    pub(super) fn solve_unary(&mut self, op: UnaryOp, operand: Ty, result: Ty, span: Span) -> bool {
         let class = self.class(operand);
         let fits = match (op, class) {
-            (_, Class::Unknown) => return false,
-            (_, Class::Error) => return true,
-            (UnaryOp::Neg, Class::Literal) => return false,
+            // A literal may still become what has no such operator.
+            (_, Class::Unknown | Class::Literal) => {
+                self.result(result, operand, span);
+                return false;
+            }
+            (_, Class::Error) => true,
             (UnaryOp::Neg, Class::Scalar(s)) => s != Ty::U32,
             (UnaryOp::Neg, Class::Vec(_) | Class::IVec(_) | Class::Mat(_)) => true,
-            (UnaryOp::Not, Class::Literal) => return false,
             (UnaryOp::Not, Class::Bool) => true,
             (UnaryOp::Not, Class::Scalar(s)) => s != Ty::F32,
             _ => false,
         };
-        if !fits {
-            let symbol = if op == UnaryOp::Neg { '-' } else { '!' };
-            let title = format!("there is no operator `{symbol}` on {}", quoted(&self.show(operand)));
-            let diagnostic = Diagnostic::error(codes::OPERATOR, span, title);
-            self.report(match (op, class) {
-                (UnaryOp::Neg, Class::Scalar(_)) => {
-                    diagnostic.help("u32 has no negative values: convert with `i32(..)`")
-                }
-                (UnaryOp::Not, _) => diagnostic.help("`!` is for bool and integers; compare with 0 instead"),
-                _ => diagnostic,
-            });
+        if fits {
+            return self.result(result, operand, span);
         }
+        self.table.give_up(result);
+        let symbol = if op == UnaryOp::Neg { '-' } else { '!' };
+        let title = format!("there is no operator `{symbol}` on {}", quoted(&self.show(operand)));
+        let diagnostic = Diagnostic::error(codes::OPERATOR, span, title);
+        self.report(match (op, class) {
+            (UnaryOp::Neg, Class::Scalar(_)) => {
+                diagnostic.help("u32 has no negative values: convert with `i32(..)`")
+            }
+            (UnaryOp::Not, _) => diagnostic.help("`!` is for bool and integers; compare with 0 instead"),
+            _ => diagnostic,
+        });
         true
     }
 

@@ -195,26 +195,28 @@ impl Infer<'_, '_> {
             return true;
         }
         let ty = args[0].0;
-        if let Some((result, scalar)) = scalar {
-            self.result(result, scalar, span);
-        }
-        if let Some(result) = result {
+        if let (Class::Unknown, Some(result)) = (self.class(ty), result) {
             // A result that is wanted elsewhere decides an unknown argument.
             self.result(result, ty, span);
         }
-        match self.class(ty) {
-            Class::Unknown => false,
-            Class::Error => true,
-            Class::Literal if kind == Kind::Float => {
-                self.argument(args[0], Ty::F32);
-                true
-            }
-            Class::Literal => {
-                kind == Kind::Number || kind == Kind::Integer || self.refuse(builtin, args, kind.name(), span)
-            }
-            class if kind.accepts(class) => true,
-            _ => self.refuse(builtin, args, kind.name(), span),
+        let class = self.class(ty);
+        let fits = match class {
+            Class::Unknown | Class::Error => true,
+            Class::Literal => !matches!(kind, Kind::Vector | Kind::Matrix),
+            class => kind.accepts(class),
+        };
+        let (own, other) = (result.map(|r| (r, ty)), scalar);
+        if !fits {
+            own.into_iter().chain(other).for_each(|(result, _)| self.table.give_up(result));
+            return self.refuse(builtin, args, kind.name(), span);
         }
+        if class == Class::Literal && kind == Kind::Float {
+            self.argument(args[0], Ty::F32);
+        }
+        for (result, ty) in own.into_iter().chain(other) {
+            self.result(result, ty, span);
+        }
+        class != Class::Unknown
     }
 
     fn refuse(&mut self, builtin: Builtin, args: &[Placed], takes: &str, _span: Span) -> bool {

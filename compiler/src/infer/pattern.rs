@@ -82,7 +82,7 @@ impl Infer<'_, '_> {
                 if fields > 0 {
                     self.field_count(name, fields, 0, span);
                 }
-                let args = self.instantiate(&declared.generics, name, span);
+                let args = self.pattern_args(declared.generics.len(), span);
                 let ty = self.table.add(Form::Enum(id, args));
                 self.require(span, ty, want);
                 PatternKind::Variant(id, index, self.wilds(fields, span))
@@ -107,6 +107,11 @@ impl Infer<'_, '_> {
                 PatternKind::Bind(id)
             }
         }
+    }
+
+    /// Type arguments of a constructor, which what is matched will tell.
+    fn pattern_args(&mut self, n: usize, span: Span) -> Vec<Ty> {
+        (0..n).map(|_| self.fresh(span)).collect()
     }
 
     fn wilds(&mut self, n: usize, span: Span) -> Vec<Pattern> {
@@ -153,7 +158,7 @@ impl Infer<'_, '_> {
         match self.constructor(&name.text) {
             Some(Value::Struct(id)) => {
                 let declared = &module.structs[id.0 as usize];
-                let args = self.instantiate(&declared.generics, &name.text, span);
+                let args = self.pattern_args(declared.generics.len(), span);
                 let types: Vec<Ty> =
                     declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
                 let ty = self.table.add(Form::Struct(id, args));
@@ -163,7 +168,7 @@ impl Infer<'_, '_> {
             }
             Some(Value::Variant(id, index)) => {
                 let declared = &module.enums[id.0 as usize];
-                let args = self.instantiate(&declared.generics, &name.text, span);
+                let args = self.pattern_args(declared.generics.len(), span);
                 let variant = &declared.variants[index as usize];
                 let types: Vec<Ty> = variant.fields.iter().map(|t| self.table.import(t, &args)).collect();
                 let ty = self.table.add(Form::Enum(id, args));

@@ -54,10 +54,14 @@ impl Context {
             ParseError::UnrecognizedEof { expected, .. } => {
                 let mut end = self.ends.last().copied().unwrap_or(self.text_end);
                 end = end.min(self.text_end);
-                let diagnostic = self.unexpected(end.saturating_sub(1), end, None, &expected);
                 match self.unclosed.last() {
-                    Some(&open) => diagnostic.also(open, "this is never closed"),
-                    None => diagnostic,
+                    Some(&(open, close)) => {
+                        let title = format!("expected `{close}`, found the end of the text");
+                        Diagnostic::error(codes::SYNTAX, self.span(end.saturating_sub(1), end), title)
+                            .label("the text ends here")
+                            .also(open, "this is never closed")
+                    }
+                    None => self.unexpected(end.saturating_sub(1), end, None, &expected),
                 }
             }
             ParseError::ExtraToken { token: (start, lexeme, end) } => {
@@ -68,8 +72,8 @@ impl Context {
         };
         // Recovery can stumble over what directly follows.
         let place = self.ends.partition_point(|&end| end <= diagnostic.primary.0.start as usize);
-        let near = self.last_error.is_some_and(|last| place.abs_diff(last) < SEPARATION);
-        self.last_error = Some(place);
+        let near = self.errors_at.iter().any(|&other| place.abs_diff(other) < SEPARATION);
+        self.errors_at.push(place);
         if !near {
             self.report(diagnostic);
         }

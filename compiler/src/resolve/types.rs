@@ -54,6 +54,9 @@ pub enum AliasState {
     Done(Type),
 }
 
+/// Puts arguments into a named type.
+type Make = Box<dyn FnOnce(Vec<Type>) -> Type>;
+
 /// Where a type stands: the file, and the type parameters in scope.
 #[derive(Clone, Copy)]
 pub struct Place<'a> {
@@ -99,30 +102,29 @@ impl Names<'_> {
         span: Span,
         out: &mut Vec<Diagnostic>,
     ) -> Type {
-        let (expected, make): (usize, Box<dyn FnOnce(Vec<Type>) -> Type>) =
-            if let Some(i) = place.generics.iter().position(|g| g == name) {
-                (0, Box::new(move |_| Type::Param(i as u32)))
-            } else {
-                match self.scopes.type_name(place.file, name) {
-                    Some(TypeName::Struct(id)) => {
-                        (self.structs[id.0 as usize], Box::new(move |args| Type::Struct(id, args)))
-                    }
-                    Some(TypeName::Enum(id)) => {
-                        (self.enums[id.0 as usize], Box::new(move |args| Type::Enum(id, args)))
-                    }
-                    Some(TypeName::Alias(i)) => {
-                        let (count, ty) = self.alias(i, span, out);
-                        (count, Box::new(move |args| expand(&ty, &args)))
-                    }
-                    None => match PLAIN.iter().find(|(plain, _)| *plain == name) {
-                        Some((_, ty)) => (0, Box::new(move |_| ty.clone())),
-                        None => {
-                            out.push(self.unknown_type(place, name, span));
-                            return Type::Error;
-                        }
-                    },
+        let (expected, make): (usize, Make) = if let Some(i) = place.generics.iter().position(|g| g == name) {
+            (0, Box::new(move |_| Type::Param(i as u32)))
+        } else {
+            match self.scopes.type_name(place.file, name) {
+                Some(TypeName::Struct(id)) => {
+                    (self.structs[id.0 as usize], Box::new(move |args| Type::Struct(id, args)))
                 }
-            };
+                Some(TypeName::Enum(id)) => {
+                    (self.enums[id.0 as usize], Box::new(move |args| Type::Enum(id, args)))
+                }
+                Some(TypeName::Alias(i)) => {
+                    let (count, ty) = self.alias(i, span, out);
+                    (count, Box::new(move |args| expand(&ty, &args)))
+                }
+                None => match PLAIN.iter().find(|(plain, _)| *plain == name) {
+                    Some((_, ty)) => (0, Box::new(move |_| ty.clone())),
+                    None => {
+                        out.push(self.unknown_type(place, name, span));
+                        return Type::Error;
+                    }
+                },
+            }
+        };
         if args.len() != expected {
             let title = format!("`{name}` has {}, found {}", count(expected, "type parameter"), args.len());
             let help = match expected {
@@ -163,8 +165,8 @@ impl Names<'_> {
             AliasState::Running => {
                 let title = format!("the type `{}` stands for itself", written.name.text);
                 out.push(
-                    Diagnostic::error(codes::CYCLIC_ALIAS, used, title)
-                        .also(written.name.span, "defined here")
+                    Diagnostic::error(codes::CYCLIC_ALIAS, written.name.span, title)
+                        .also(used, "used here")
                         .help("an alias is only another name: use a struct or enum for a type of its own"),
                 );
                 (count, Type::Error)

@@ -15,12 +15,15 @@
 use std::collections::HashSet;
 
 use super::live::{copy, free, prune, sink, tail_size, vars_of};
-use crate::core::walk::{Renumber, calls, free_in_stmt};
+use crate::core::walk::{Renumber, calls, free_in_stmt, mentions};
 use crate::core::{Atom, Block, Function, Mark, Op, Stmt, Var};
 use crate::table::{Emission, Tail, TailBlock, TaskId, Token};
 
 /// Statements of a join that a branch without task calls evaluates itself, which saves a rewrite.
 const SMALL_JOIN: usize = 12;
+
+/// Tokens of an emission beyond which calls wait for the continuation, because windows are small.
+const LONGEST: usize = 64;
 
 /// A task before it gets its number and name; token ids are indices of drafts.
 pub struct Draft {
@@ -114,27 +117,23 @@ impl Splitter<'_> {
         let results = self.functions[f].results.clone();
         let slots: Vec<_> = results.into_iter().map(|s| self.functions[f].fresh(s)).collect();
         let emission = literals(&slots);
-        let mut split = self.block(f, &body.stmts, &body.results, &Finish { slots, emission });
+        let mut split = self.block(f, body.stmts.clone(), &body.results, &Finish { slots, emission });
         self.functions[f].body = body;
         prune(&mut split);
         make_self_calls_loops(&mut split, root, self.functions[f].params.len());
         self.drafts[root.0 as usize].body = split;
     }
 
-    fn has_task_call(&self, stmt: &Stmt) -> bool {
-        self.any_task_call(std::slice::from_ref(stmt))
-    }
-
     fn any_task_call(&self, stmts: &[Stmt]) -> bool {
         calls(stmts).iter().any(|id| self.is_task[id.0 as usize])
     }
 
-    fn schedule(&self, stmts: &[Stmt]) -> Schedule {
+    fn schedule(&self, stmts: Vec<Stmt>) -> Schedule {
         let mut schedule = Schedule::default();
         let mut waiting: HashSet<Var> = HashSet::new();
         for stmt in stmts {
-            let is_call = self.has_task_call(stmt);
-            let waits = !waiting.is_empty() && free_in_stmt(stmt).iter().any(|v| waiting.contains(v));
+            let is_call = self.any_task_call(std::slice::from_ref(&stmt));
+            let waits = !waiting.is_empty() && mentions(&stmt, &waiting);
             if is_call || waits {
                 waiting.extend(&stmt.dst);
             }
@@ -143,17 +142,18 @@ impl Splitter<'_> {
                 (false, true) => &mut schedule.ready,
                 (false, false) => &mut schedule.before,
             };
-            list.push(stmt.clone());
+            list.push(stmt);
         }
         schedule
     }
 
-    fn block(&mut self, f: usize, stmts: &[Stmt], results: &[Atom], finish: &Finish) -> TailBlock {
-        let Schedule { before, ready, rest } = self.schedule(stmts);
+    fn block(&mut self, f: usize, stmts: Vec<Stmt>, results: &[Atom], finish: &Finish) -> TailBlock {
+        let Schedule { before, mut ready, mut rest } = self.schedule(stmts);
         if ready.is_empty() {
             return TailBlock { stmts: before, tail: Tail::Emit(finish.with(results)) };
         }
-        let after = self.block(f, &rest, results, finish);
+        rest.splice(0..0, ready.split_off(fitting(&ready)));
+        let after = self.block(f, rest, results, finish);
         match ready.as_slice() {
             [Stmt { dst, op: Op::If(cond, yes, no) }] => self.exits(f, before, dst, (*cond, yes, no), after),
             _ => self.emit(f, before, &ready, after),
@@ -165,6 +165,7 @@ impl Splitter<'_> {
         let groups: Vec<_> = ready.iter().map(|stmt| self.group(f, stmt)).collect();
         if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail)
             && let Some(emission) = forward(emission, &groups)
+            && emission.len() <= LONGEST
         {
             return TailBlock { stmts: before, tail: Tail::Emit(emission) };
         }
@@ -188,7 +189,7 @@ impl Splitter<'_> {
     ) -> TailBlock {
         if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail) {
             let finish = Finish { slots: dst.to_vec(), emission: emission.clone() };
-            let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, &b.stmts, &b.results, &finish)));
+            let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, b.stmts.clone(), &b.results, &finish)));
             return TailBlock { stmts: before, tail: Tail::If(cond, yes, no) };
         }
         // The join.
@@ -204,7 +205,7 @@ impl Splitter<'_> {
         let [yes, no] = [yes, no].map(|b| {
             Box::new(match &in_place {
                 Some(after) if !self.any_task_call(&b.stmts) => self.append(f, b, dst, after),
-                _ => self.block(f, &b.stmts, &b.results, &finish),
+                _ => self.block(f, b.stmts.clone(), &b.results, &finish),
             })
         });
         TailBlock { stmts: before, tail: Tail::If(cond, yes, no) }
@@ -274,6 +275,16 @@ impl Splitter<'_> {
         self.roots.push(None);
         (self.functions.len() - 1, args)
     }
+}
+
+/// How many of the ready calls go out together.
+fn fitting(ready: &[Stmt]) -> usize {
+    let mut tokens = 0;
+    let fits = |stmt: &&Stmt| {
+        tokens += stmt.op.operands().len() + 1;
+        tokens <= LONGEST
+    };
+    ready.iter().take_while(fits).count().max(1)
 }
 
 fn literals(vars: &[Var]) -> Emission {

@@ -9,6 +9,9 @@ fn direct(@builtin(global_invocation_id) id: vec3<u32>) {
     fuel = params.fuel;
     exhausted = false;
     let value = shade(f32(id.x) + 0.5, f32(y) + 0.5);
+    if (!loops_alive()) {
+        atomicOr(&state.flags, FLAG_LOOPS);
+    }
     if (exhausted) {
         atomicOr(&state.flags, FLAG_EXHAUSTED);
         atomicStore(&state.culprit, params.entry);

@@ -238,7 +238,7 @@ fn publish(reason: u32) {
 // A dispatch takes about as long whatever the number of lanes: those beyond what the adapter runs at once share.
 fn fuel_for(wanted: u32) -> i32 {
     let groups = min((wanted + LANES - 1u) / LANES, params.groups);
-    return max(i32(f32(params.fuel) * min(1.0, f32(params.parallel) / f32(max(groups, 1u)))), 16);
+    return clamp(i32(f32(params.fuel) * min(1.0, f32(params.parallel) / f32(max(groups, 1u)))), 16, params.cap);
 }
 
 fn begin_lane(local: u32) {
@@ -254,5 +254,9 @@ fn begin_lane(local: u32) {
 
 fn end_lane() {
     release_pages();
+    if (!loops_alive()) {
+        atomicOr(&state.flags, FLAG_LOOPS);
+        atomicStore(&state.culprit, latest);
+    }
     atomicAdd(&state.rewrites, rewritten);
 }

@@ -22,6 +22,7 @@ const STUCK: u32 = 3u;
 
 const FLAG_MEMORY: u32 = 1u;
 const FLAG_EXHAUSTED: u32 = 2u;
+const FLAG_LOOPS: u32 = 4u;
 
 struct Params {
     capacity: u32,         // blocks in the arena
@@ -37,9 +38,9 @@ struct Params {
     entry: u32,            // task of a pixel
     soft: i32,             // fuel below which a lane draws no further pixel
     parallel: u32,         // workgroups that the adapter runs at once
-    reserved0: u32,
-    reserved1: u32,
-    reserved2: u32,
+    cap: i32,              // most fuel of a lane, see loops_alive
+    turns: u32,            // 3
+    reserved: u32,
 }
 
 struct State {
@@ -111,6 +112,16 @@ const RECORD_FROM: u32 = 4u;      // tokens [from, to) are replaced
 const RECORD_TO: u32 = 5u;
 const RECORD_COUNT: u32 = 6u;     // by so many
 const RECORD_OFFSET: u32 = 7u;    // where they begin in the pair's new tokens
+
+// llvmpipe ends every loop after its first turn once an invocation has made 65535 turns in all its loops together.
+// What such an invocation wrote is worthless; its last act is to say so, and the host starts over with less fuel.
+fn loops_alive() -> bool {
+    var count = 0u;
+    while (count < params.turns) {
+        count += 1u;
+    }
+    return count == params.turns;
+}
 
 fn order_at(list: u32, index: u32) -> u32 {
     return (list * params.capacity + index) * 2u;

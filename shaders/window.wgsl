@@ -43,16 +43,19 @@ fn live_word(index: u32) -> u32 {
     return tables[TASKS + 1u + index];
 }
 
+fn move_word() {
+    let word = window[slot(WINDOW - right)];
+    right -= 1u;
+    window[slot(left)] = word;
+    left += 1u;
+}
+
 // Moves the literals of the nearest segment to the left and invokes its task.
 fn pop_segment() {
     let header = window[slot(WINDOW - right)];
     right -= 1u;
-    for (var count = header >> 16u; count > 0u; count -= 1u) {
-        let word = window[slot(WINDOW - right)];
-        right -= 1u;
-        window[slot(left)] = word;
-        left += 1u;
-    }
+    let count = header >> 16u;
+    MOVES
     let task = header & 0xffffu;
     invoke = select(task, NO_TASK, task == HEADER_NONE);
 }

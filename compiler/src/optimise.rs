@@ -7,6 +7,8 @@ mod common;
 mod dead;
 mod fold;
 mod inline;
+mod motion;
+mod nesting;
 mod specialise;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -30,9 +32,14 @@ pub const PASSES: &[(&str, Pass)] = &[
     ("parameters with one value", specialise::parameters),
     ("inline", inline::inline),
     ("fold constants and known branches", fold::fold),
+    ("operations that a loop repeats", motion::hoist),
     ("common subexpressions", common::common),
+    ("operations that one branch needs", motion::sink),
+    ("choices", motion::choose),
+    ("fold constants and known branches", fold::fold),
     ("unused values, parameters and results", dead::unused),
     ("unreachable functions", dead::unreachable),
+    ("nesting", nesting::bound),
     ("number variables anew", dead::compact),
 ];
 

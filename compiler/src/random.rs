@@ -120,12 +120,19 @@ impl Generator {
         self.yields(&results);
         self.out += "} else {\nn: i32 = sub.i32(v0, 1)\n";
         self.deep = true;
-        self.block(&results, 0);
+        let before = self.scope.len();
+        self.stmts(0);
+        self.yields_digest(&results);
+        self.scope.truncate(before);
         self.deep = false;
         self.out += "}\n";
         self.scope.extend(inner);
         self.stmts(1);
-        self.yields(&results);
+        match self.random.one_in(2) {
+            true => self.yields_digest(&results),
+            // Nothing after the `if`, so that calls in it may be tail calls.
+            false => self.yields(&results),
+        }
         self.out += "}\n";
     }
 
@@ -142,7 +149,7 @@ impl Generator {
 
     fn atom(&mut self, scalar: Scalar) -> String {
         let found: Vec<_> = self.scope.iter().filter(|(_, s)| *s == scalar).map(|(n, _)| n.clone()).collect();
-        if found.is_empty() || self.random.one_in(4) {
+        if found.is_empty() || self.random.one_in(6) {
             return match scalar {
                 Scalar::Bool => self.random.pick(&["true", "false"]),
                 Scalar::I32 => self.random.pick(&["0", "1", "-1", "2", "7", "-2147483648"]),
@@ -151,7 +158,9 @@ impl Generator {
             }
             .into();
         }
-        found[self.random.below(found.len())].clone()
+        // Rather a late one, so that much of a program matters to its results.
+        let n = found.len();
+        found[self.random.below(n).max(self.random.below(n)).max(self.random.below(n))].clone()
     }
 
     fn atoms(&mut self, scalars: &[Scalar]) -> String {
@@ -161,6 +170,39 @@ impl Generator {
     fn yields(&mut self, scalars: &[Scalar]) {
         let atoms = self.atoms(scalars);
         let _ = writeln!(self.out, "yield {atoms}");
+    }
+
+    /// Yields words that depend on the last few variables, so that most of a program matters.
+    fn yields_digest(&mut self, scalars: &[Scalar]) {
+        let mut hash = "1u".to_string();
+        for (name, scalar) in self.scope.iter().rev().take(6).cloned().collect::<Vec<_>>() {
+            let id = self.names;
+            self.names += 1;
+            let steps = match scalar {
+                Scalar::F32 => format!("x{id}: i32 = to_i32.f32({name}) w{id}: u32 = to_u32.i32(x{id})"),
+                _ => format!("w{id}: u32 = to_u32.{}({name})", scalar.name()),
+            };
+            self.out +=
+                &format!("{steps} m{id}: u32 = mul.u32({hash}, 31u) h{id}: u32 = add.u32(m{id}, w{id})\n");
+            hash = format!("h{id}");
+        }
+        let mut results = Vec::new();
+        for scalar in scalars {
+            let id = self.names;
+            self.names += 1;
+            self.out += &match scalar {
+                Scalar::Bool => {
+                    format!("l{id}: u32 = and.u32({hash}, 4u) r{id}: bool = to_bool.u32(l{id})\n")
+                }
+                Scalar::I32 => format!("r{id}: i32 = to_i32.u32({hash})\n"),
+                Scalar::U32 => format!("r{id}: u32 = xor.u32({hash}, {id}u)\n"),
+                Scalar::F32 => {
+                    format!("l{id}: u32 = and.u32({hash}, 1023u) r{id}: f32 = to_f32.u32(l{id})\n")
+                }
+            };
+            results.push(format!("r{id}"));
+        }
+        let _ = writeln!(self.out, "yield {}", results.join(", "));
     }
 
     /// Statements and results; leaves the scope as it was.

@@ -7,7 +7,7 @@
 mod assemble;
 mod body;
 pub mod lift;
-mod live;
+pub(crate) mod live;
 
 use crate::core::graph::Graph;
 use crate::core::{Mark, Program};

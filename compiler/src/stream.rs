@@ -116,7 +116,7 @@ pub fn print(table: &Table, stream: &Stream) -> String {
 }
 
 /// As [`print`], for words read back from an arena: a literal has the scalar of the parameter that will take
-/// it, i32 where no function token takes it. `left` are the scalars of the final result.
+/// it, i32 where no function token takes it yet.
 pub fn print_words(table: &Table, stream: &[Token<u32>]) -> String {
     let mut words: Vec<String> = stream.iter().map(|t| print_word(table, t)).collect();
     for (at, token) in stream.iter().enumerate() {
@@ -135,5 +135,66 @@ fn print_word(table: &Table, token: &Token<u32>) -> String {
     match token {
         Token::Literal(word) => (*word as i32).to_string(),
         Token::Function(f) => table.task(*f).name.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::parse;
+    use crate::interpret::NoHost;
+    use crate::split::split;
+
+    fn table(text: &str) -> (Table, TaskId) {
+        split(&parse::program(text).expect("parses"))
+    }
+
+    #[test]
+    fn the_initial_stream_is_the_entrys_emission_where_it_has_one() {
+        let (fib, entry) = table(crate::split::tests::FIB);
+        assert_eq!(print(&fib, &initial(&fib, entry, &[Const::I32(5)])), "5 fib");
+        let (pass, entry) = table(&crate::split::tests::FIB.replace(
+            "entry fib",
+            "entry main fn main(n: i32, m: i32) -> (i32) { r: i32 = call fib(m) yield r }",
+        ));
+        assert_eq!(print(&pass, &initial(&pass, entry, &[Const::I32(5), Const::I32(6)])), "6 fib");
+    }
+
+    #[test]
+    fn every_redex_is_rewritten_in_each_round() {
+        let (fib, entry) = table(crate::split::tests::FIB);
+        let trace: Vec<_> = rounds(&fib, initial(&fib, entry, &[Const::I32(3)]), &NoHost, 1000)
+            .map(|stream| print(&fib, &stream.expect("ends")))
+            .collect();
+        let expected = [
+            "3 fib",
+            "2 fib 1 fib fib.1",
+            "1 fib 0 fib fib.1 1 fib.1",
+            "1 0 fib.1 1 fib.1",
+            "1 1 fib.1",
+            "2",
+        ];
+        assert_eq!(trace, expected);
+    }
+
+    #[test]
+    fn words_are_printed_as_their_consumer_sees_them() {
+        let (table, entry) = table(
+            "entry f fn f(x: f32, b: bool, u: u32) -> (f32) { r: f32 = select.f32(x, 1.0, b) yield r }",
+        );
+        let words = [7, 1.5f32.to_bits(), 1, 3].map(Token::Literal);
+        let stream = [words.as_slice(), &[Token::Function(entry)], &[Token::Literal(u32::MAX)]].concat();
+        assert_eq!(print_words(&table, &stream), "7 1.5 true 3u f -1");
+    }
+
+    #[test]
+    fn rewriting_without_end_or_operands_stops() {
+        let (table, entry) = table(
+            "entry f fn f(n: i32) -> (i32) { m: i32 = call f(n) r: i32 = call f(m) s: i32 = neg.i32(r) yield s }",
+        );
+        let endless = rounds(&table, initial(&table, entry, &[Const::I32(1)]), &NoHost, 500);
+        assert_eq!(endless.last(), Some(Err(Stopped::OutOfFuel)));
+        let stuck = rounds(&table, vec![Token::Function(entry)], &NoHost, 500);
+        assert_eq!(stuck.last(), Some(Err(Stopped::OutOfFuel)));
     }
 }

@@ -26,6 +26,8 @@ pub struct Config {
     pub max_memory: u64,
     pub max_rewrites: Option<u64>,
     pub timeout: Duration,
+    /// On the GPU: leaves out the checks that wgpu adds to shaders.
+    pub trusted: bool,
 }
 
 impl Default for Config {
@@ -35,9 +37,10 @@ impl Default for Config {
             depth: None,
             block: 512,
             threads: None,
-            max_memory: 4 << 30,
+            max_memory: 1 << 30,
             max_rewrites: None,
             timeout: Duration::from_secs(60),
+            trusted: true,
         }
     }
 }
@@ -58,6 +61,13 @@ pub struct Stats {
     pub execute: Duration,
     pub allocate: Duration,
     pub splice: Duration,
+    /// On the GPU.
+    pub dispatches: u64,
+    pub submissions: u64,
+    /// Lanes that ran out of window or fuel and were continued later.
+    pub suspended: u64,
+    /// Making pipelines, within the total.
+    pub compiling: Duration,
     /// The whole run.
     pub total: Duration,
 }

@@ -48,6 +48,23 @@ pub enum RunError {
     Internal(String),
 }
 
+impl From<crate::gpu::RunError> for RunError {
+    fn from(error: crate::gpu::RunError) -> RunError {
+        use crate::gpu::RunError as Gpu;
+        match error {
+            Gpu::Timeout { function, seconds, rewrites } => {
+                RunError::Timeout { function, seconds, reached: format!("{rewrites} rewrites") }
+            }
+            Gpu::OutOfMemory { function, bytes, limit } => RunError::OutOfMemory { function, bytes, limit },
+            Gpu::MaxRewrites { function, rewrites } => RunError::MaxRewrites { function, limit: rewrites },
+            Gpu::LoopTooLong { function, steps } => {
+                RunError::LoopTooLong { function, steps: u64::from(steps) }
+            }
+            other => RunError::Device(other.to_string()),
+        }
+    }
+}
+
 /// Bytes for a reader: three digits and a binary unit.
 fn size(bytes: u64) -> String {
     const UNITS: [&str; 5] = ["bytes", "KiB", "MiB", "GiB", "TiB"];

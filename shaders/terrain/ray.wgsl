@@ -78,16 +78,12 @@ fn terrain_enter(
         }
     }
 
-    // Above the highest sample nothing can be hit, nor below the lowest by a ray that came from above.
+    // Above the highest sample nothing can be hit.
     let low = terrain_scene.raw_relief.x;
     let high = terrain_scene.raw_relief.y;
     let pad = 1e-3 + 1e-5 * (high - low) + 1e-6 * (abs(high) + abs(low));
     if d.z < -TERRAIN_TINY {
         part.x = max(part.x, (high + pad - p.z) / d.z);
-        let below = (low - pad - p.z) / d.z;
-        if below > part.x {
-            part.y = min(part.y, below);
-        }
     } else if d.z > TERRAIN_TINY {
         part.y = min(part.y, (high + pad - p.z) / d.z);
     } else {

@@ -22,6 +22,8 @@ pub struct Case {
     pub settings: Settings,
     pub expectations: Vec<Expectation>,
     pub modes: Vec<Mode>,
+    /// Why the case must fail for now; a trial that passes is an error, so that the word is taken away.
+    pub broken: Option<String>,
 }
 
 /// A program's text and the modules it may `use`.

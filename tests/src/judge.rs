@@ -82,6 +82,13 @@ pub trait Backend: Send + Sync {
     fn trace(&self, program: &Program, settings: &Settings, call: &Call) -> Result<Vec<String>, Failure>;
 }
 
+/// The verdict of all trials of a case together: a case said to be broken must fail in one of them at least.
+pub fn judge_broken(case: &Case, reason: &str, backend: &dyn Backend, modes: &[Mode]) -> Result<(), String> {
+    let fails = judge_program(case, backend).is_err()
+        || runs(case) && modes.iter().any(|mode| judge_mode(case, *mode, backend).is_err());
+    if fails { Ok(()) } else { Err(format!("no longer broken: take away `broken \"{reason}\"`")) }
+}
+
 /// What is the same in every mode: diagnostics, the function table, the trace.
 pub fn judge_program(case: &Case, backend: &dyn Backend) -> Result<(), String> {
     let mut report = Report::default();

@@ -15,7 +15,7 @@ macro_rules! modes {
                 match self { $(Mode::$id => $name),* }
             }
 
-            /// `oracle`, `cpu` or `gpu`.
+            /// `oracle`, `single`, `cpu` or `gpu`.
             pub fn family(self) -> &'static str {
                 match self { $(Mode::$id => $family),* }
             }
@@ -30,6 +30,8 @@ macro_rules! modes {
 
 modes! {
     Oracle "oracle" "oracle" true;
+    // The oracle in single precision, for comparisons to the bit.
+    OracleSingle "oracle-single" "single" false;
     CpuAuto "cpu-auto" "cpu" true;
     CpuBlock "cpu-block" "cpu" true;
     CpuLane "cpu-lane" "cpu" true;

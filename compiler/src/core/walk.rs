@@ -139,6 +139,19 @@ pub fn free_in_stmt(stmt: &Stmt) -> Vec<Var> {
     free.vars()
 }
 
+/// Does the statement use one of the variables?
+pub fn mentions(stmt: &Stmt, vars: &HashSet<Var>) -> bool {
+    let wanted = |a: &Atom| matches!(a, Atom::Var(v) if vars.contains(v));
+    let own = match &stmt.op {
+        Op::Prim(_, _, args) | Op::Intrinsic(_, args) | Op::Call(_, args) => args.iter().any(wanted),
+        Op::Live(_) => false,
+        Op::If(cond, ..) => wanted(cond),
+        Op::Loop(l) => l.state.iter().any(|(_, init)| wanted(init)),
+    };
+    let inside = |b: &Block| b.results.iter().any(wanted) || b.stmts.iter().any(|s| mentions(s, vars));
+    own || stmt.op.blocks().into_iter().any(inside)
+}
+
 /// Copies statements into another variable space: definitions get new numbers, uses follow.
 pub struct Renumber<'a> {
     /// What a variable of the old space has become.

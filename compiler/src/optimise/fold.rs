@@ -154,7 +154,7 @@ impl Folder {
         self.assuming(cond, true, |folder| folder.block(f, &mut yes));
         self.assuming(cond, false, |folder| folder.block(f, &mut no));
 
-        // A result that is the same in both branches is no result; cheap choices are a `select`.
+        // A result that is the same in both branches is no result, and logic is an operation.
         let mut open: Vec<usize> = Vec::new();
         for (i, v) in dst.iter().enumerate() {
             if yes.results[i] == no.results[i] && is_outside(yes.results[i], &yes) {
@@ -164,12 +164,13 @@ impl Folder {
             }
         }
         if yes.stmts.is_empty() && no.stmts.is_empty() {
-            for i in open {
-                let scalar = f.vars[dst[i].0 as usize];
-                let args = vec![no.results[i], yes.results[i], cond];
-                self.prim(vec![dst[i]], Prim::Select, scalar, args, kept);
-            }
-            return;
+            open.retain(|i| match logic(cond, yes.results[*i], no.results[*i]) {
+                Some((prim, args)) => {
+                    self.prim(vec![dst[*i]], prim, Scalar::Bool, args, kept);
+                    false
+                }
+                None => true,
+            });
         }
         if open.is_empty() {
             return;
@@ -325,6 +326,17 @@ fn identity(prim: Prim, on: Scalar, args: &[Atom]) -> Option<Atom> {
             Ne | Lt if a == b => Some(Atom::Const(Const::Bool(false))),
             _ => None,
         },
+        _ => None,
+    }
+}
+
+/// `if c { yes } else { no }` as an operation on Bool.
+fn logic(cond: Atom, yes: Atom, no: Atom) -> Option<(Prim, Vec<Atom>)> {
+    match (as_const(yes), as_const(no)) {
+        (Some(Const::Bool(true)), Some(Const::Bool(false))) => Some((Prim::And, vec![cond, yes])),
+        (Some(Const::Bool(false)), Some(Const::Bool(true))) => Some((Prim::Not, vec![cond])),
+        (Some(Const::Bool(true)), None) => Some((Prim::Or, vec![cond, no])),
+        (None, Some(Const::Bool(false))) => Some((Prim::And, vec![cond, yes])),
         _ => None,
     }
 }

@@ -143,6 +143,63 @@ fn values_that_only_keep_themselves_alive_vanish() {
 }
 
 #[test]
+fn what_one_branch_needs_is_evaluated_there() {
+    becomes(
+        "entry f fn f(c: bool, x: f32) -> (f32) {
+           a: f32 = sin.f32(x)
+           b: f32 = cos.f32(a)
+           d: f32 = tan.f32(x)
+           r: f32 = if c { yield b } else { yield d }
+           yield r
+         }",
+        "entry f fn f(c: bool, x: f32) -> (f32) {
+           r: f32 = if c {
+             a: f32 = sin.f32(x)
+             b: f32 = cos.f32(a)
+             yield b
+           } else {
+             d: f32 = tan.f32(x)
+             yield d
+           }
+           yield r
+         }",
+    );
+}
+
+#[test]
+fn choices_are_operations() {
+    becomes(
+        "entry f fn f(c: bool, d: bool, x: f32) -> (f32, bool, bool) {
+           r: f32, a: bool = if c { yield x, d } else { yield 1.0, false }
+           b: bool = if d { yield true } else { yield c }
+           yield r, a, b
+         }",
+        "entry f fn f(c: bool, d: bool, x: f32) -> (f32, bool, bool) {
+           a: bool = and.bool(c, d)
+           r: f32 = select.f32(1.0, x, c)
+           b: bool = or.bool(d, c)
+           yield r, a, b
+         }",
+    );
+}
+
+#[test]
+fn loops_do_not_repeat_what_never_changes() {
+    let text = optimised(
+        "entry f fn f(n: i32, x: f32) -> (f32) {
+           i: i32, s: f32 = loop fold (i0: i32 = 0, s0: f32 = 0.0) while { c: bool = lt.i32(i0, n) yield c } do {
+             a: f32 = sin.f32(x)
+             s1: f32 = add.f32(s0, a)
+             i1: i32 = add.i32(i0, 1)
+             yield i1, s1
+           }
+           yield s
+         }",
+    );
+    assert!(text.find("sin") < text.find("loop"), "{text}");
+}
+
+#[test]
 fn small_functions_are_inlined_and_tasks_are_not() {
     let text = optimised(
         "entry main

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet, VecDeque};
 
 use super::body::Draft;
 use super::lift::fresh_name;
+use super::live::copy;
 use crate::core::graph::Graph;
 use crate::core::walk::{Renumber, calls, compact, map_calls};
 use crate::core::{FnId, Function};
@@ -35,7 +36,7 @@ fn task(draft: Draft, functions: &[Function]) -> Task {
     let function = &functions[draft.function];
     let mut renumber = Renumber::new(&function.vars, Vec::new());
     let params = renumber.defines(&draft.params);
-    let body = tail_block(&mut renumber, &draft.body);
+    let body = copy(&mut renumber, &draft.body);
     let source = function.name.split('.').next().unwrap_or_default();
     Task {
         name: String::new(),
@@ -44,27 +45,6 @@ fn task(draft: Draft, functions: &[Function]) -> Task {
         vars: renumber.new,
         body,
         span: function.span,
-    }
-}
-
-fn tail_block(renumber: &mut Renumber, block: &TailBlock) -> TailBlock {
-    let stmts = renumber.stmts(&block.stmts);
-    let tail = match &block.tail {
-        Tail::Emit(emission) => Tail::Emit(emission.iter().map(|t| token(renumber, t)).collect()),
-        Tail::Again(args) => Tail::Again(renumber.atoms(args)),
-        Tail::If(cond, yes, no) => {
-            let cond = renumber.atom(*cond);
-            let yes = Box::new(tail_block(renumber, yes));
-            Tail::If(cond, yes, Box::new(tail_block(renumber, no)))
-        }
-    };
-    TailBlock { stmts, tail }
-}
-
-fn token(renumber: &Renumber, token: &Token<crate::core::Atom>) -> Token<crate::core::Atom> {
-    match token {
-        Token::Literal(atom) => Token::Literal(renumber.atom(*atom)),
-        Token::Function(f) => Token::Function(*f),
     }
 }
 

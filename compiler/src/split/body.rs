@@ -8,15 +8,22 @@
 //!   continuation. A rest that would only put the results into an emission is no task of its own: that emission with
 //!   `a1.. f1` in the place of f1's results does the same (tail calls, `A(m - 1, A(m, n - 1))` as `m-1 m n-1 A A`);
 //! - a ready `if` with task calls in its branches becomes an `if` of the task; both branches finish with the rest
-//!   of the block, which is a continuation of its own (the join) unless it is only an emission;
+//!   of the block, which is a continuation of its own (the join) unless it is only an emission; a branch without
+//!   task calls evaluates a small join itself;
 //! - an `if` that is ready together with other calls is made a function of its own, so that it does not hold them up.
 
 use std::collections::HashSet;
 
-use super::live::{free, prune, sink, vars_of};
-use crate::core::walk::{calls, free_in_stmt};
+use super::live::{copy, free, prune, sink, tail_size, vars_of};
+use crate::core::walk::{Renumber, calls, free_in_stmt, mentions};
 use crate::core::{Atom, Block, Function, Mark, Op, Stmt, Var};
 use crate::table::{Emission, Tail, TailBlock, TaskId, Token};
+
+/// Statements of a join that a branch without task calls evaluates itself, which saves a rewrite.
+const SMALL_JOIN: usize = 12;
+
+/// Tokens of an emission beyond which calls wait for the continuation, because windows are small.
+const LONGEST: usize = 64;
 
 /// A task before it gets its number and name; token ids are indices of drafts.
 pub struct Draft {
@@ -110,23 +117,23 @@ impl Splitter<'_> {
         let results = self.functions[f].results.clone();
         let slots: Vec<_> = results.into_iter().map(|s| self.functions[f].fresh(s)).collect();
         let emission = literals(&slots);
-        let mut split = self.block(f, &body.stmts, &body.results, &Finish { slots, emission });
+        let mut split = self.block(f, body.stmts.clone(), &body.results, &Finish { slots, emission });
         self.functions[f].body = body;
         prune(&mut split);
         make_self_calls_loops(&mut split, root, self.functions[f].params.len());
         self.drafts[root.0 as usize].body = split;
     }
 
-    fn has_task_call(&self, stmt: &Stmt) -> bool {
-        calls(std::slice::from_ref(stmt)).iter().any(|id| self.is_task[id.0 as usize])
+    fn any_task_call(&self, stmts: &[Stmt]) -> bool {
+        calls(stmts).iter().any(|id| self.is_task[id.0 as usize])
     }
 
-    fn schedule(&self, stmts: &[Stmt]) -> Schedule {
+    fn schedule(&self, stmts: Vec<Stmt>) -> Schedule {
         let mut schedule = Schedule::default();
         let mut waiting: HashSet<Var> = HashSet::new();
         for stmt in stmts {
-            let is_call = self.has_task_call(stmt);
-            let waits = !waiting.is_empty() && free_in_stmt(stmt).iter().any(|v| waiting.contains(v));
+            let is_call = self.any_task_call(std::slice::from_ref(&stmt));
+            let waits = !waiting.is_empty() && mentions(&stmt, &waiting);
             if is_call || waits {
                 waiting.extend(&stmt.dst);
             }
@@ -135,17 +142,18 @@ impl Splitter<'_> {
                 (false, true) => &mut schedule.ready,
                 (false, false) => &mut schedule.before,
             };
-            list.push(stmt.clone());
+            list.push(stmt);
         }
         schedule
     }
 
-    fn block(&mut self, f: usize, stmts: &[Stmt], results: &[Atom], finish: &Finish) -> TailBlock {
-        let Schedule { before, ready, rest } = self.schedule(stmts);
+    fn block(&mut self, f: usize, stmts: Vec<Stmt>, results: &[Atom], finish: &Finish) -> TailBlock {
+        let Schedule { before, mut ready, mut rest } = self.schedule(stmts);
         if ready.is_empty() {
             return TailBlock { stmts: before, tail: Tail::Emit(finish.with(results)) };
         }
-        let after = self.block(f, &rest, results, finish);
+        rest.splice(0..0, ready.split_off(fitting(&ready)));
+        let after = self.block(f, rest, results, finish);
         match ready.as_slice() {
             [Stmt { dst, op: Op::If(cond, yes, no) }] => self.exits(f, before, dst, (*cond, yes, no), after),
             _ => self.emit(f, before, &ready, after),
@@ -157,6 +165,7 @@ impl Splitter<'_> {
         let groups: Vec<_> = ready.iter().map(|stmt| self.group(f, stmt)).collect();
         if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail)
             && let Some(emission) = forward(emission, &groups)
+            && emission.len() <= LONGEST
         {
             return TailBlock { stmts: before, tail: Tail::Emit(emission) };
         }
@@ -178,23 +187,39 @@ impl Splitter<'_> {
         (cond, yes, no): (Atom, &Block, &Block),
         after: TailBlock,
     ) -> TailBlock {
-        let emission = match after.tail {
-            Tail::Emit(emission) if after.stmts.is_empty() => emission,
-            tail => {
-                let branches = Stmt { dst: dst.to_vec(), op: Op::If(cond, yes.clone(), no.clone()) };
-                let needed = free_in_stmt(&branches).into_iter().collect();
-                let after = TailBlock { stmts: after.stmts, tail };
-                let (live, task) = self.continuation(f, &before, after, dst, &needed);
-                let mut emission = literals(&live);
-                emission.extend(literals(dst));
-                emission.push(Token::Function(task));
-                emission
-            }
-        };
+        if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail) {
+            let finish = Finish { slots: dst.to_vec(), emission: emission.clone() };
+            let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, b.stmts.clone(), &b.results, &finish)));
+            return TailBlock { stmts: before, tail: Tail::If(cond, yes, no) };
+        }
+        // The join.
+        let branches = Stmt { dst: dst.to_vec(), op: Op::If(cond, yes.clone(), no.clone()) };
+        let needed = free_in_stmt(&branches).into_iter().collect();
+        let small = tail_size(&after) <= SMALL_JOIN;
+        let in_place = if small { Some(after.clone()) } else { None };
+        let (live, task) = self.continuation(f, &before, after, dst, &needed);
+        let mut emission = literals(&live);
+        emission.extend(literals(dst));
+        emission.push(Token::Function(task));
         let finish = Finish { slots: dst.to_vec(), emission };
-        let yes = self.block(f, &yes.stmts, &yes.results, &finish);
-        let no = self.block(f, &no.stmts, &no.results, &finish);
-        TailBlock { stmts: before, tail: Tail::If(cond, Box::new(yes), Box::new(no)) }
+        let [yes, no] = [yes, no].map(|b| {
+            Box::new(match &in_place {
+                Some(after) if !self.any_task_call(&b.stmts) => self.append(f, b, dst, after),
+                _ => self.block(f, b.stmts.clone(), &b.results, &finish),
+            })
+        });
+        TailBlock { stmts: before, tail: Tail::If(cond, yes, no) }
+    }
+
+    /// A branch without task calls, then a copy of `after`.
+    fn append(&mut self, f: usize, branch: &Block, dst: &[Var], after: &TailBlock) -> TailBlock {
+        let old = std::mem::take(&mut self.functions[f].vars);
+        let mut renumber = Renumber::new(&old, old.clone());
+        renumber.map.extend(dst.iter().copied().zip(branch.results.iter().copied()));
+        let mut block = copy(&mut renumber, after);
+        self.functions[f].vars = renumber.new;
+        block.stmts.splice(0..0, branch.stmts.iter().cloned());
+        block
     }
 
     /// A task with body `block` whose operands are live words, then `results`.
@@ -250,6 +275,16 @@ impl Splitter<'_> {
         self.roots.push(None);
         (self.functions.len() - 1, args)
     }
+}
+
+/// How many of the ready calls go out together.
+fn fitting(ready: &[Stmt]) -> usize {
+    let mut tokens = 0;
+    let fits = |stmt: &&Stmt| {
+        tokens += stmt.op.operands().len() + 1;
+        tokens <= LONGEST
+    };
+    ready.iter().take_while(fits).count().max(1)
 }
 
 fn literals(vars: &[Var]) -> Emission {

@@ -148,7 +148,7 @@ fn captured(l: &Loop) -> Vec<Var> {
 }
 
 /// A name not taken yet: `base`, `base2`, ..
-pub(super) fn fresh_name(names: &mut HashSet<String>, base: &str) -> String {
+pub(crate) fn fresh_name(names: &mut HashSet<String>, base: &str) -> String {
     let candidates = std::iter::once(base.to_string()).chain((2..).map(|i| format!("{base}{i}")));
     let name = candidates.into_iter().find(|name| !names.contains(name)).unwrap_or_default();
     names.insert(name.clone());

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::core::walk::{Free, free_in_stmt};
+use crate::core::walk::{Free, Renumber, free_in_stmt, size};
 use crate::core::{Atom, Op, Stmt, Var};
 use crate::table::{Tail, TailBlock, Token};
 
@@ -33,6 +33,37 @@ fn see(free: &mut Free, block: &TailBlock) {
         }
         Tail::Again(args) => free.atoms(args),
     }
+}
+
+/// Copies a body into the variable space of `renumber`.
+pub fn copy(renumber: &mut Renumber, block: &TailBlock) -> TailBlock {
+    let stmts = renumber.stmts(&block.stmts);
+    let tail = match &block.tail {
+        Tail::Emit(emission) => Tail::Emit(emission.iter().map(|t| token(renumber, t)).collect()),
+        Tail::Again(args) => Tail::Again(renumber.atoms(args)),
+        Tail::If(cond, yes, no) => {
+            let cond = renumber.atom(*cond);
+            let yes = Box::new(copy(renumber, yes));
+            Tail::If(cond, yes, Box::new(copy(renumber, no)))
+        }
+    };
+    TailBlock { stmts, tail }
+}
+
+fn token(renumber: &Renumber, token: &Token<Atom>) -> Token<Atom> {
+    match token {
+        Token::Literal(atom) => Token::Literal(renumber.atom(*atom)),
+        Token::Function(f) => Token::Function(*f),
+    }
+}
+
+/// Statements of a body.
+pub fn tail_size(block: &TailBlock) -> usize {
+    let inner = match &block.tail {
+        Tail::If(_, yes, no) => tail_size(yes) + tail_size(no),
+        _ => 0,
+    };
+    size(&block.stmts) + inner
 }
 
 /// Removes statements whose results the block does not use.

@@ -296,21 +296,24 @@ fn self_tail_calls_are_loops_and_others_are_tokens() {
 }
 
 #[test]
-fn both_branches_emit_the_join() {
-    let (_, table, _) = split_text(
-        "entry main
-         @task fn g(x: i32) -> (i32) { yield x }
-         fn main(x: i32, y: i32) -> (i32) {
-           c: bool = lt.i32(x, 0)
-           u: i32 = if c { a: i32 = call g(x) yield a } else { yield 9 }
-           s: i32 = mul.i32(u, u)
-           t: i32 = add.i32(s, y)
-           yield t
-         }",
-    );
-    let emissions: Vec<_> =
-        table.tasks[0].emissions().iter().map(|e| table::print::emission(&table, e)).collect();
-    assert_eq!(emissions, ["v1 v0 g main.1", "v1 9 main.1"]);
+fn branches_with_calls_emit_the_join() {
+    let emissions = |rest: &str| {
+        let (_, table, _) = split_text(&format!(
+            "entry main
+             @task fn g(x: i32) -> (i32) {{ yield x }}
+             fn main(x: i32, y: i32) -> (i32) {{
+               c: bool = lt.i32(x, 0)
+               u: i32 = if c {{ a: i32 = call g(x) yield a }} else {{ yield 9 }}
+               s0: i32 = mul.i32(u, y)
+               {rest}
+             }}"
+        ));
+        table.tasks[0].emissions().iter().map(|e| table::print::emission(&table, e)).collect::<Vec<_>>()
+    };
+    // A branch without calls evaluates a small rest itself.
+    assert_eq!(emissions("yield s0"), ["v1 v0 g main.1", "v3"]);
+    let rest: String = (0..20).map(|i| format!("s{}: i32 = mul.i32(s{i}, s{i})\n", i + 1)).collect();
+    assert_eq!(emissions(&format!("{rest} yield s20")), ["v1 v0 g main.1", "v1 9 main.1"]);
 }
 
 #[test]
@@ -338,4 +341,41 @@ fn continuations_recompute_what_saves_words() {
     let (_, table, _) = split_text(HOFSTADTER);
     let wide = table.tasks.iter().map(|t| t.arity()).max();
     assert_eq!(wide, Some(3), "{}", table::print::table(&table));
+}
+
+#[test]
+fn emissions_stay_short() {
+    let (mut chain, mut wide) = (String::new(), String::new());
+    for i in 0..200 {
+        chain += &format!("a{}: i32 = call g(a{i}, 0)\n", i + 1);
+        wide += &format!("b{i}: i32 = call g(n, {i}) c{}: i32 = add.i32(c{i}, b{i})\n", i + 1);
+    }
+    let text = format!(
+        "entry f @task fn g(x: i32, y: i32) -> (i32) {{ z: i32 = add.i32(x, y) yield z }}
+         fn f(n: i32) -> (i32, i32) {{ a0: i32 = add.i32(n, 1) c0: i32 = add.i32(n, 2) {chain} {wide} yield a200, c200 }}"
+    );
+    let (_, table, _) = split_text(&text);
+    assert!(table.longest_emission() < 80, "{}", table.longest_emission());
+    agree(&text, &[&[3]]);
+}
+
+#[test]
+fn long_chains_split_in_reasonable_time() {
+    let mut body = String::new();
+    for i in 0..500 {
+        body += &format!(
+            "a{}: i32 = call g(a{i}) b{i}: i32 = mul.i32(a{i}, n) c{}: i32 = add.i32(b{i}, c{i})\n",
+            i + 1,
+            i + 1
+        );
+    }
+    let text = format!(
+        "entry f @task fn g(x: i32) -> (i32) {{ yield x }}
+         fn f(n: i32) -> (i32) {{ a0: i32 = add.i32(n, 1) c0: i32 = add.i32(n, 2) {body} yield c500 }}"
+    );
+    let start = std::time::Instant::now();
+    let back = crate::back::back(program(&text));
+    assert_eq!(back.table.tasks.len(), 501);
+    let seconds = start.elapsed().as_secs();
+    assert!(seconds < 20, "{seconds} s");
 }

@@ -150,9 +150,7 @@ fn emission(writer: &mut Writer, emission: &Emission) {
             Token::Function(id) => segments.push((std::mem::take(&mut literals), id.0)),
         }
     }
-    if segments.is_empty() {
-        segments.push((literals, NO_FUNCTION));
-    } else if !literals.is_empty() {
+    if segments.is_empty() || !literals.is_empty() {
         segments.push((literals, NO_FUNCTION));
     }
     for (literals, task) in segments[1..].iter().rev() {
@@ -206,7 +204,7 @@ pub fn shade(table: &Table, needs: &mut Needs, task: &Task) -> String {
                 writer.close("}");
             }
             Tail::Emit(emission) => {
-                let mut parts = vec!["0.0f".to_string(), "0.0f".into(), "0.0f".into(), "1.0f".into()];
+                let mut parts = ["0.0f".to_string(), "0.0f".into(), "0.0f".into(), "1.0f".into()];
                 for (part, token) in parts.iter_mut().zip(emission) {
                     if let Token::Literal(atom) = token {
                         *part = writer.atom(*atom);

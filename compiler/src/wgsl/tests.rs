@@ -37,25 +37,30 @@ fn dummy(intrinsic: Intrinsic) -> String {
 }
 
 /// Generated text with everything it needs around it.
-pub fn module(wgsl: &Wgsl) -> String {
+fn module(wgsl: &Wgsl) -> String {
     let intrinsics: String = wgsl.intrinsics.iter().map(|i| dummy(*i)).collect();
     let entry = "@compute @workgroup_size(1) fn main() { rewrite(invoke); }\n";
     format!("{WINDOW}{intrinsics}{}{entry}", wgsl.text)
 }
 
-/// Writes a program's table and validates it. With `GHYLL_DUMP` set to a directory the module is kept there, to try
-/// other WGSL compilers on it.
+/// Validates generated text. With `GHYLL_DUMP` set to a folder the module is kept there, to try other WGSL
+/// compilers on it.
+pub fn check(wgsl: &Wgsl) {
+    let module = module(wgsl);
+    if let Ok(folder) = std::env::var("GHYLL_DUMP") {
+        let hash = module.bytes().fold(7u64, |h, b| h.wrapping_mul(31).wrapping_add(b.into()));
+        std::fs::write(format!("{folder}/{hash:016x}.wgsl"), &module).expect("the folder can be written");
+    }
+    validate(&module).unwrap_or_else(|why| panic!("{why}\n{module}"));
+}
+
+/// Writes a program's table and checks it.
 fn written(text: &str) -> Wgsl {
     let program = parse::program(text).unwrap_or_else(|why| panic!("{why}\n{text}"));
     verify::program(&program).expect("is core");
     let (table, entry) = split(&program);
     let wgsl = emit(&table, entry);
-    let module = module(&wgsl);
-    if let Ok(folder) = std::env::var("GHYLL_DUMP") {
-        let name = format!("{folder}/{:08x}.wgsl", text.len() * 31 + module.len());
-        std::fs::write(name, &module).expect("the folder can be written");
-    }
-    validate(&module).unwrap_or_else(|why| panic!("{why}\n{}", wgsl.text));
+    check(&wgsl);
     wgsl
 }
 
@@ -205,4 +210,25 @@ fn an_image_fused_whole_has_a_shade() {
 fn invalid_text_is_rejected() {
     assert!(validate("fn f() -> i32 { return 1.5; }").is_err());
     assert!(validate("fn f( {").is_err());
+}
+
+#[test]
+fn deep_nesting_is_valid() {
+    // A chain of 300 comparisons, once with plain values and once with a task call at the end.
+    for last in ["yield 7", "d: i32 = sub.i32(n, 1000) r: i32 = call f(d) yield r"] {
+        let mut body = format!("{last}\n");
+        for i in (0..300).rev() {
+            body = format!(
+                "c{i}: bool = eq.i32(n, {i}) x{i}: i32 = if c{i} {{ a{i}: i32 = mul.i32(n, {i}) yield a{i} }}
+                 else {{ {body} }} yield x{i}\n"
+            );
+        }
+        let text = format!("entry f fn f(n: i32) -> (i32) {{ {body} }}");
+        let run = move || {
+            let back = crate::back::back(parse::program(&text).expect("parses"));
+            check(&back.wgsl);
+        };
+        let thread = std::thread::Builder::new().stack_size(64 << 20).spawn(run).expect("the thread starts");
+        thread.join().expect("the text is valid");
+    }
 }

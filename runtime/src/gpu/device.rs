@@ -133,6 +133,11 @@ impl Gpu {
         self.lost.lock().ok().and_then(|lost| lost.clone())
     }
 
+    /// Loop turns that an invocation may make in all; llvmpipe ends loops silently beyond 65535.
+    pub(super) fn loop_turns(&self) -> Option<u32> {
+        self.info.name.contains("llvmpipe").then_some(65535)
+    }
+
     /// Workgroups that the adapter runs at once, roughly.
     pub(super) fn parallel_groups(&self) -> u32 {
         if self.info.software {

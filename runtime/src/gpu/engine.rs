@@ -7,6 +7,7 @@ use super::code::{Code, Config, Rewriter};
 use super::device::Gpu;
 use super::error::RunError;
 use super::fuel::Fuel;
+use super::image::PIXEL_SHARE;
 use super::layout::{NO_TASK, Params, State};
 use super::pipelines::{Groups, Pipelines};
 use super::readback::Readback;
@@ -63,11 +64,22 @@ pub struct Engine {
     pub(super) scene: Option<wgpu::BindGroup>,
     pub(super) readback: Readback,
     pub(super) fuel: Fuel,
-    /// Fuel of lanes that draw pixels.
-    pub(super) pixel_fuel: Fuel,
+    /// Most fuel of a lane in a dispatch.
+    pub(super) cap: i32,
+    /// Workgroups that draw pixels in one dispatch, and the steps each lane makes for them.
+    pub(super) pixel_groups: u32,
+    pub(super) pixel_share: i32,
     /// Tile rows that `direct` computes in one submission.
     pub(super) direct_rows: u32,
     live: Vec<u32>,
+}
+
+/// How a rewriting ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ended {
+    Normal,
+    /// The adapter cut loops short: nothing of it may be used, and the next attempt has less fuel.
+    Void,
 }
 
 /// One run: when it began and what it has cost so far.
@@ -164,7 +176,9 @@ impl Engine {
             scene: group,
             readback: Readback::default(),
             fuel: Fuel::default(),
-            pixel_fuel: Fuel::default(),
+            cap: gpu.loop_turns().map_or(i32::MAX, |turns| turns as i32 / 3),
+            pixel_groups: gpu.parallel_groups() * 4,
+            pixel_share: PIXEL_SHARE,
             direct_rows: 1,
         })
     }
@@ -184,10 +198,13 @@ impl Engine {
     pub fn run(&mut self, stream: &[(u32, bool)]) -> Result<Outcome, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
-        let mut state = self.load(stream)?;
-        self.rewrite(&mut job, &mut state)?;
-        let words = self.literals(&state)?;
-        Ok(Outcome { words, stats: self.close(job, compiled) })
+        loop {
+            let mut state = self.load(stream)?;
+            if self.rewrite(&mut job, &mut state)? == Ended::Normal {
+                let words = self.literals(&state)?;
+                return Ok(Outcome { words, stats: self.close(job, compiled) });
+            }
+        }
     }
 
     pub(super) fn close(&self, job: Job, compiled: Duration) -> Stats {
@@ -224,6 +241,8 @@ impl Engine {
             depth,
             threshold: (groups * self.shape.lanes).max(64),
             groups,
+            cap: self.cap,
+            turns: 3,
             parallel: self.gpu.parallel_groups(),
             ..Params::default()
         }

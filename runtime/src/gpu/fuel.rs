@@ -40,11 +40,6 @@ impl Fuel {
         }
     }
 
-    /// Learns from a dispatch that used all its fuel and should take `wanted`.
-    pub fn learn_towards(&mut self, wanted: Duration, time: Duration) {
-        self.scale((wanted.as_secs_f64() / time.as_secs_f64().max(1e-6)).clamp(1.0 / 16.0, 8.0));
-    }
-
     fn scale(&mut self, factor: f64) {
         self.steps = ((f64::from(self.steps) * factor) as i32).clamp(LEAST, MOST);
     }

@@ -4,14 +4,20 @@
 use std::time::{Duration, Instant};
 
 use super::code::Rewriter;
-use super::engine::{Engine, Frame, Job};
+use super::engine::{Ended, Engine, Frame, Job};
 use super::error::RunError;
-use super::layout::{FLAG_EXHAUSTED, FLAG_MEMORY, NO_TASK, Params, State};
+use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
 use super::shader::Kernel;
 
 /// What a submission of pixels should take; a driver's watchdog waits for 2 s.
 const SUBMISSION: Duration = Duration::from_millis(400);
 const STATE_WORDS: usize = size_of::<State>() / 4;
+/// Workgroups of one dispatch's row.
+const MOST_GROUPS: u32 = 32768;
+/// Steps that a lane may make in a dispatch before it leaves its last pixel to the rounds.
+const PIXEL_FUEL: i32 = 1 << 14;
+/// Steps after which a lane draws no further pixel in a dispatch.
+pub const PIXEL_SHARE: i32 = 128;
 /// Steps of fused loops in one pixel of `direct`, to begin with.
 const DIRECT_FUEL: i32 = 1 << 16;
 
@@ -92,6 +98,9 @@ impl Engine {
             let mut state = State { culprit: NO_TASK, latest: NO_TASK, ..State::default() };
             let time = self.play(job, Kernel::Direct, [width.div_ceil(8), rows], &params, &mut state)?;
             self.check_limits(job)?;
+            if state.flags & FLAG_LOOPS != 0 {
+                return Err(self.loop_too_long(&State { culprit: entry, ..state }));
+            }
             if state.flags & FLAG_EXHAUSTED != 0 {
                 // The band is computed again with more fuel, in smaller bands if that took long.
                 if rows == 1 && (time > SUBMISSION || params.fuel > i32::MAX / 8) {
@@ -117,40 +126,57 @@ impl Engine {
     fn draw_pixels(&mut self, job: &mut Job, width: u32, height: u32, entry: u32) -> Result<(), RunError> {
         self.prepare(&[Kernel::DrawPixels])?;
         let total = width.div_ceil(8) * height.div_ceil(8) * 64;
-        let groups = if self.gpu.info().software { self.gpu.parallel_groups() } else { self.params().groups };
         let mut pixel = 0;
         while pixel < total {
-            let fuel = self.pixel_fuel.steps;
-            let params = Params { width, height, entry, last: total, fuel, soft: fuel / 2, ..self.params() };
+            let fuel = self.cap.min(PIXEL_FUEL);
+            let soft = (fuel - self.pixel_share).max(0);
+            let params = Params { width, height, entry, last: total, fuel, soft, ..self.params() };
+            let groups = self.pixel_groups;
             let mut state = self.begin(0);
             state.pixel = pixel;
             let time = self.play(job, Kernel::DrawPixels, [groups, 1], &params, &mut state)?;
-            if state.cut != 0 {
-                self.pixel_fuel.learn_towards(SUBMISSION, time);
-            }
-            self.finish_pixels(job, pixel, &mut state)?;
-            pixel = state.pixel.min(total);
             self.check_limits(job)?;
+            if state.flags & FLAG_LOOPS != 0 {
+                self.lower_pixel_share(&state)?;
+                continue;
+            }
+            if state.pixel < total {
+                let scale = SUBMISSION.as_secs_f64() / time.as_secs_f64().max(1e-6);
+                let groups = f64::from(self.pixel_groups) * scale.clamp(1.0 / 16.0, 8.0);
+                self.pixel_groups = (groups as u32).clamp(self.gpu.parallel_groups(), MOST_GROUPS);
+            }
+            if self.finish_pixels(job, pixel, &mut state)? == Ended::Normal {
+                pixel = state.pixel.min(total);
+            }
         }
         Ok(())
     }
 
+    /// After loops were cut short by the adapter: fewer pixels for each lane of a dispatch, down to one.
+    fn lower_pixel_share(&mut self, state: &State) -> Result<(), RunError> {
+        if self.pixel_share == 1 {
+            return Err(self.loop_too_long(state));
+        }
+        self.pixel_share = (self.pixel_share / 4).max(1);
+        Ok(())
+    }
+
     /// Rounds for what lanes have published.
-    fn finish_pixels(&mut self, job: &mut Job, before: u32, state: &mut State) -> Result<(), RunError> {
+    fn finish_pixels(&mut self, job: &mut Job, before: u32, state: &mut State) -> Result<Ended, RunError> {
         let next = state.pixel;
         if state.published == 0 {
             if state.flags & FLAG_MEMORY != 0 && next == before && !self.grow(state) {
                 return Err(self.out_of_memory(job.latest));
             }
-            return Ok(());
+            return Ok(Ended::Normal);
         }
         state.blocks = state.published;
         state.pairs = state.blocks.div_ceil(2);
         (state.published, state.flags, state.cut) = (0, 0, 0);
         self.permit(state);
-        self.rewrite(job, state)?;
+        let ended = self.rewrite(job, state)?;
         state.pixel = next;
-        Ok(())
+        Ok(ended)
     }
 
     /// The initial stream `index x y entry store` of every pixel, in parts of an eighth of the arena.
@@ -171,9 +197,10 @@ impl Engine {
                     stream.extend([(entry, true), (store, true)]);
                 }
             }
-            first = last;
             let mut state = self.load(&stream)?;
-            self.rewrite(job, &mut state)?;
+            if self.rewrite(job, &mut state)? == Ended::Normal {
+                first = last;
+            }
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ pub const STUCK: u32 = 3;
 
 pub const FLAG_MEMORY: u32 = 1;
 pub const FLAG_EXHAUSTED: u32 = 2;
+pub const FLAG_LOOPS: u32 = 4;
 
 /// No task, no block.
 pub const NO_TASK: u32 = 0xffff_ffff;
@@ -50,9 +51,9 @@ shared! {
         entry: u32,
         soft: i32,
         parallel: u32,
-        reserved0: u32,
-        reserved1: u32,
-        reserved2: u32,
+        cap: i32,
+        turns: u32,
+        reserved: u32,
     }
 }
 

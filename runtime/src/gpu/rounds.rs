@@ -2,10 +2,11 @@
 
 use std::time::Instant;
 
-use super::engine::{Engine, Job};
+use super::engine::{Ended, Engine, Job};
 use super::error::RunError;
 use super::layout::{
-    DONE, FLAG_EXHAUSTED, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK, State,
+    DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
+    State,
 };
 use super::shader::Kernel;
 use super::shape::GRID;
@@ -13,6 +14,9 @@ use super::shape::GRID;
 const STAGES: [Kernel; 4] = [Kernel::Decode, Kernel::Execute, Kernel::Allocate, Kernel::Splice];
 /// Rounds without a rewrite after which what is short will not come by itself.
 const PATIENCE: u32 = 4;
+
+/// Fuel of a lane at which a loop that is still cut short by the adapter must be one task's own.
+const LEAST_CAP: i32 = 16;
 
 /// Words of a block: tokens, then their function bits.
 fn block_words(tokens: &[(u32, bool)], block: usize, stride: usize, out: &mut Vec<u32>) {
@@ -137,7 +141,7 @@ impl Engine {
     }
 
     /// Plays rounds until only literals are left.
-    pub(super) fn rewrite(&mut self, job: &mut Job, state: &mut State) -> Result<(), RunError> {
+    pub(super) fn rewrite(&mut self, job: &mut Job, state: &mut State) -> Result<Ended, RunError> {
         self.prepare(&STAGES)?;
         loop {
             let rounds = self.fuel.rounds;
@@ -150,11 +154,18 @@ impl Engine {
             *state = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words));
             let time = start.elapsed();
             job.stats.dispatches += u64::from(rounds) * STAGES.len() as u64;
+            if std::env::var("GHYLL_DBG").is_ok() {
+                eprintln!("{time:?} fuel {} rounds {rounds} {state:?}", self.fuel.steps);
+            }
             let full = state.full;
             state.full = 0;
             job.absorb(state);
+            if state.flags & FLAG_LOOPS != 0 {
+                self.lower_cap(state)?;
+                return Ok(Ended::Void);
+            }
             if state.status == DONE {
-                return Ok(());
+                return Ok(Ended::Normal);
             }
             self.check_limits(job)?;
             if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
@@ -198,6 +209,15 @@ impl Engine {
         if self.config.max_rewrites.is_some_and(|most| rewrites > most) {
             return Err(RunError::MaxRewrites { function: function(), rewrites });
         }
+        Ok(())
+    }
+
+    /// After loops were cut short by the adapter: fewer steps in a dispatch, down to those of a single task.
+    pub(super) fn lower_cap(&mut self, state: &State) -> Result<(), RunError> {
+        if self.cap <= LEAST_CAP {
+            return Err(self.loop_too_long(state));
+        }
+        self.cap = (self.cap / 4).max(LEAST_CAP);
         Ok(())
     }
 

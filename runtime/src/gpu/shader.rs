@@ -65,10 +65,24 @@ impl Kernel {
     }
 }
 
+/// Words that are moved by straight code before a loop takes over.
+const UNROLLED: u32 = 4;
+
+/// WGSL that moves `count` words, at most `most`. Segments are short, so this is faster than a loop.
+fn moves(most: u32) -> String {
+    let mut text: String =
+        (0..most.min(UNROLLED)).map(|i| format!("if (count > {i}u) {{ move_word(); }}\n    ")).collect();
+    if most > UNROLLED {
+        text += &format!("for (var index = {UNROLLED}u; index < count; index += 1u) {{ move_word(); }}");
+    }
+    text
+}
+
 fn window(shape: &Shape) -> Result<String, RunError> {
     let slot = if shape.interleaved { "index * LANES + lane" } else { "lane * WINDOW + index" };
     let guard = if shape.can_exhaust { "if (exhausted) {\n        return;\n    }" } else { "" };
-    fill(&fill(WINDOW, "SLOT", slot)?, "GUARD", guard)
+    let text = fill(&fill(WINDOW, "SLOT", slot)?, "GUARD", guard)?;
+    fill(&text, "MOVES", &moves(shape.emission.saturating_sub(2)))
 }
 
 /// The whole WGSL of a kernel.

@@ -197,7 +197,7 @@ impl<'m> Datum<'m> {
         let all = |a: &[Datum<'m>], b: &[Datum<'m>]| {
             for (a, b) in a.iter().zip(b) {
                 if !a.equal(b)? {
-                    return Ok(false);
+                    return Ok::<bool, RunError>(false);
                 }
             }
             Ok(a.len() == b.len())

@@ -9,7 +9,18 @@ use super::ray::WorldRay;
 use super::scene::Scene;
 use super::surface;
 use super::walk::{self, Heights, Heights16, Heights32};
+use crate::world::World;
 use ghyll_compiler::intrinsics::Intrinsic;
+
+impl World for Scene {
+    fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
+        Scene::eval_f64(self, intrinsic, args, out);
+    }
+
+    fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
+        Scene::eval_f32(self, intrinsic, args, out);
+    }
+}
 
 impl Scene {
     /// Evaluates one intrinsic in single precision, with the shaders' arithmetic. Words as in the stream: floats by

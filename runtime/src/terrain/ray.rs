@@ -62,15 +62,11 @@ pub(super) fn enter(scene: &SceneUniform, ray: &WorldRay<f32>) -> Option<GridRay
         }
     }
 
-    // Above the highest sample nothing can be hit, nor below the lowest by a ray that came from above.
+    // Above the highest sample nothing can be hit.
     let (low, high) = (scene.raw_relief[0], scene.raw_relief[1]);
     let pad = 1e-3 + 1e-5 * (high - low) + 1e-6 * (high.abs() + low.abs());
     if d[2] < -TINY {
         from = from.max((high + pad - p[2]) / d[2]);
-        let below = (low - pad - p[2]) / d[2];
-        if below > from {
-            to = to.min(below);
-        }
     } else if d[2] > TINY {
         to = to.min((high + pad - p[2]) / d[2]);
     } else {

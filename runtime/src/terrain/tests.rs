@@ -83,7 +83,7 @@ fn ray(scene: &Scene, random: &mut Random) -> Ray {
     };
     let outside = |random: &mut Random, size: f64| random.within(-0.5 * size, 1.5 * size);
     let exact = random.next() % 2 == 0;
-    let mut point = |random: &mut Random, z: f64| {
+    let point = |random: &mut Random, z: f64| {
         if exact {
             [snap(random, 0), snap(random, 1), z]
         } else {

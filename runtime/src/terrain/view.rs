@@ -37,7 +37,7 @@ impl NamedView {
     /// Line of sight: azimuth clockwise from north and angle downwards, in degrees.
     fn direction(self) -> (f64, f64) {
         match self {
-            NamedView::Overview => (0.0, 33.0),
+            NamedView::Overview => (0.0, 30.0),
             NamedView::Topdown => (0.0, 90.0),
             NamedView::North => (0.0, 14.0),
             NamedView::South => (180.0, 14.0),
@@ -225,13 +225,26 @@ fn frame(view: NamedView, orthographic: bool, points: &[DVec3], size: (u32, u32)
             orthographic,
         };
     }
-    // A point is inside if |x - x0| <= fit_x (z - z0), and so for y: the foremost z0 and the x0, y0 between.
+    // A point is inside if |x - x0| <= fit_x (z - z0), and so for y: the foremost z0.
     let (a, b) = (most(&|(x, _, z)| x / fit_x - z), most(&|(x, _, z)| -x / fit_x - z));
     let (c, d) = (most(&|(_, y, z)| y / fit_y - z), most(&|(_, y, z)| -y / fit_y - z));
     let back = ((a + b) / 2.0).max((c + d) / 2.0);
+    // Between the bounds of x0, and of y0, where both margins of the picture are equal.
+    let balance = |lo: f64, hi: f64, side: &dyn Fn((f64, f64, f64)) -> f64| {
+        let (mut lo, mut hi) = (lo.min(hi), hi.max(lo));
+        for _ in 0..60 {
+            let at = 0.5 * (lo + hi);
+            let over = most(&|p| (side(p) - at) / (p.2 + back));
+            let under = most(&|p| (at - side(p)) / (p.2 + back));
+            if over > under { lo = at } else { hi = at }
+        }
+        0.5 * (lo + hi)
+    };
+    let x0 = balance(fit_x * (a - back), fit_x * (back - b), &|(x, _, _)| x);
+    let y0 = balance(fit_y * (c - back), fit_y * (back - d), &|(_, y, _)| y);
     let pixel = 2.0 * tan_y / f64::from(size.1);
     Camera {
-        eye: right * (fit_x * (a - b) / 2.0) + up * (fit_y * (c - d) / 2.0) - forward * back,
+        eye: right * x0 + up * y0 - forward * back,
         forward,
         across: right * pixel,
         down: -up * pixel,

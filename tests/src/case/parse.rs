@@ -30,6 +30,8 @@ enum Into {
     Nothing,
     Program,
     File,
+    /// The program is a file of the repository; no line may follow the header.
+    Elsewhere,
 }
 
 struct Reader<'a> {
@@ -58,23 +60,27 @@ impl Reader<'_> {
             self.into = Into::File;
             return Ok(());
         }
-        if !case.program.text.is_empty() || matches!(self.into, Into::File) {
+        if word == "program" {
+            case.program.text = from_file(&mut case.program.name, rest)?;
+            self.into = Into::Elsewhere;
+            return Ok(());
+        }
+        let begun = !case.program.text.is_empty() && !matches!(self.into, Into::Elsewhere);
+        if begun || matches!(self.into, Into::File) {
             return Err("expectations stand above the program".into());
         }
         header_line(case, word, rest)
     }
 
     fn program_line(&mut self, line: &str) -> Read<()> {
-        let text = match (&self.into, self.cases.last_mut()) {
-            (Into::Nothing, _) | (_, None) if line.trim().is_empty() || line.starts_with("//") => {
-                return Ok(());
-            }
-            (Into::Nothing, _) | (_, None) => return Err("the file must begin with `//# case NAME`".into()),
-            (Into::Program, Some(case)) => &mut case.program.text,
-            (Into::File, Some(case)) => match case.program.files.last_mut() {
-                Some((_, text)) => text,
-                None => return Ok(()),
-            },
+        if matches!(self.into, Into::Nothing | Into::Elsewhere) {
+            let skipped = line.trim().is_empty() || line.starts_with("//");
+            return if skipped { Ok(()) } else { Err("a program stands below its own header".into()) };
+        }
+        let Some(case) = self.cases.last_mut() else { return Ok(()) };
+        let text = match (&self.into, case.program.files.last_mut()) {
+            (Into::File, Some((_, text))) => text,
+            _ => &mut case.program.text,
         };
         text.push_str(line);
         text.push('\n');
@@ -98,6 +104,7 @@ impl Reader<'_> {
             settings: Settings::default(),
             expectations: Vec::new(),
             modes: Vec::new(),
+            broken: None,
         });
         Ok(())
     }
@@ -150,7 +157,7 @@ fn header_line(case: &mut Case, word: &str, rest: &str) -> Read<()> {
         "memory" => settings.memory = Some(required("a size", rest)?),
         "timeout" => settings.timeout = Some(number(rest)?),
         "dem" => settings.dem = Some(dem(rest)?),
-        "program" => case.program.text = from_file(&mut case.program.name, rest)?,
+        "broken" => case.broken = Some(quoted(rest)?),
         "modes" => {
             for word in rest.split_whitespace() {
                 let modes = Mode::named(word).ok_or(format!("`{word}` is no mode"))?;

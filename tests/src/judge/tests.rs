@@ -162,3 +162,10 @@ fn wrong_pixels_are_reported() {
     assert!(mode_verdict(&format!("{plain}\n//# pixel 1,1 => 0.5"), &same).is_err());
     assert!(mode_verdict(&format!("{plain}\n//# pixel 2,2 => 0.5"), &same).is_err());
 }
+
+#[test]
+fn a_broken_case_must_fail() {
+    let case = case("//# broken \"not done\"\n//# run main() => 1");
+    assert_eq!(judge_broken(&case, "not done", &answering("2"), &[Mode::CpuAuto]), Ok(()));
+    assert!(judge_broken(&case, "not done", &answering("1"), &[Mode::CpuAuto]).is_err());
+}

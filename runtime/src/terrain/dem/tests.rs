@@ -145,10 +145,10 @@ fn damaged_files_never_panic() {
         ("a.f32", floats),
     ];
     for name in [
-        "derived/alps256_tile64_deflate_p2.tif",
+        "derived/alps256_i16_tile64_deflate_p2.tif",
         "derived/alps256_f32_nan_lzw_p3_tile128.tif",
-        "derived/alps256_packbits.tif",
-        "derived/alps256_bigtiff_deflate.tif",
+        "derived/alps256_i16_packbits.tif",
+        "derived/alps256_i16_bigtiff_deflate.tif",
     ] {
         if let Some(path) = extra(name) {
             seeds.push(("a.tif", std::fs::read(path).unwrap()));
@@ -185,11 +185,11 @@ fn one_grid_in_many_encodings_loads_alike() {
     let expected = Terrain::open(reference, &DemOptions::default()).unwrap();
     assert_eq!((expected.voids, expected.min, expected.max), (2502, 676.0, 4173.0));
     for name in [
-        "bigendian.tif",
-        "packbits.tif",
-        "strip_lzw_p2.tif",
-        "tile64_deflate_p2.tif",
-        "bigtiff_deflate.tif",
+        "i16_bigendian.tif",
+        "i16_packbits.tif",
+        "i16_strip_lzw_p2.tif",
+        "i16_tile64_deflate_p2.tif",
+        "i16_bigtiff_deflate.tif",
         "u16_deflate.tif",
         "i32_deflate.tif",
         "f64_deflate.tif",

@@ -51,6 +51,15 @@ fn modules_follow_the_program() {
 }
 
 #[test]
+fn a_program_may_be_a_file_of_the_repository() {
+    let text = "//# case a\n//# program lang-examples/fib.ghyll\n//# run main(3) => 2\n\n// A note.\n";
+    let case = parse("topic", text).unwrap().remove(0);
+    assert_eq!(case.program.name, "lang-examples/fib.ghyll");
+    assert!(case.program.text.contains("fn fib"));
+    assert!(parse("topic", &format!("{text}fn main() -> i32 = 1;\n")).is_err());
+}
+
+#[test]
 fn a_place_may_come_with_a_code_and_a_part() {
     for (line, code, part) in [
         ("//# error at 1:2", "", ""),

@@ -252,7 +252,7 @@ fn rounds_at_depth_one_are_the_compilers() {
 
 #[test]
 fn deep_recursion_and_long_loops_end() {
-    for rewriter in [Rewriter::Auto, Rewriter::Lane] {
+    for rewriter in [Rewriter::Auto, Rewriter::Lane, Rewriter::Block] {
         let config = Config { rewriter, ..Config::default() };
         assert_eq!(evaluate(TOTAL, &[200_000], &config).unwrap().0, [(200_000u64 * 200_001 / 2) as u32]);
     }

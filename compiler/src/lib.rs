@@ -1,11 +1,29 @@
-//! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out.
+//! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out. No files, no GPU, no clock.
+//!
+//! text -> [`lexer`], [`parse`] -> [`ast`] -> names and types ([`front`]) -> [`typed`] tree -> [`lower`] -> [`core`]
+//! -> [`optimise`] -> [`split`] -> [`table`] -> [`wgsl`]. [`compile`] plays them in order.
+
+pub mod argument;
+pub mod ast;
 pub mod back;
 pub mod builtins;
+pub mod codes;
+pub mod compile;
 pub mod core;
 pub mod diagnostic;
+mod exhaustive;
+pub mod front;
+mod infer;
 pub mod interpret;
 pub mod intrinsics;
+pub mod layout;
+pub mod lexer;
+pub mod library;
+pub mod lower;
 pub mod optimise;
+pub mod parse;
+pub mod report;
+mod resolve;
 pub mod scalar;
 pub mod source;
 pub mod split;
@@ -15,5 +33,6 @@ pub mod typed;
 pub mod types;
 pub mod wgsl;
 
-#[cfg(test)]
-mod random;
+/// Random programs for the differential tests of this crate and of the runtime.
+#[doc(hidden)]
+pub mod random;

@@ -1,1 +1,14 @@
+//! Runtime of Ghyll: the rewriter on the GPU, its CPU twin, the oracle, and terrain. [`machine`] runs a compiled
+//! program on any of them.
 
+pub mod config;
+pub mod error;
+pub mod gpu;
+pub mod gpu_terrain;
+pub mod image;
+pub mod machine;
+pub mod oracle;
+pub mod terrain;
+pub mod twin;
+pub mod value;
+pub mod world;

@@ -1,1 +1,26 @@
+//! The language suite: programs with their expectations, run on every answer that Ghyll can give.
+//!
+//! ```text
+//! suite/**/*.ghyll --case--> cases --judge--> one verdict per case and mode
+//! ```
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`backend`] | the only file that knows the interface of the runtime |
+//! | [`case`] | what a case file says, and the reader that refuses what it does not know |
+//! | [`value`] | values in Ghyll syntax and when two of them agree |
+//! | [`mode`] | THE table of machines and settings a case runs on |
+//! | [`judge`] | compares what a backend answers with what the case expects |
+//! | [`backend`] | the only file that knows the runtime's interface |
+//! | [`differential`] | looks for random programs on which two modes disagree |
+//! | [`generate`] | random well-typed programs, and their shrinking |
+//!
+//! The format of case files is described in `tests/README.md`.
 
+pub mod backend;
+pub mod case;
+pub mod differential;
+pub mod generate;
+pub mod judge;
+pub mod mode;
+pub mod value;

@@ -1,0 +1,92 @@
+//! THE table of diagnostic codes: one row a code. Codes are stable; a retired one is never used again.
+//!
+//! E01 lexical and syntax, E02 names and modules, E03 types, E04 patterns, E05 items and recursion,
+//! W06 warnings, E09 not supported yet.
+
+macro_rules! codes {
+    ($($name:ident $code:literal $title:literal;)*) => {
+        $(pub const $name: &str = $code;)*
+
+        /// Every code with what it is about.
+        pub const ALL: &[(&str, &str)] = &[$(($code, $title)),*];
+    };
+}
+
+codes! {
+    BAD_CHARACTER "E0101" "a character that the language does not use";
+    UNTERMINATED "E0102" "a comment or text that is never closed";
+    BAD_NUMBER "E0103" "a malformed number";
+    SYNTAX "E0104" "something else was expected here";
+    TOO_DEEP "E0105" "nesting deeper than the compiler accepts";
+    CHAINED "E0106" "comparisons cannot be chained";
+    BLOCK_VALUE "E0107" "a block that does not end with its value";
+    UNUSED_VALUE "E0108" "a value that nothing uses";
+    IF_WITHOUT_ELSE "E0109" "an `if` without `else`";
+    BAD_TUPLE "E0110" "a tuple or array with too few components";
+    MISPLACED_HOLE "E0111" "a hole `_` outside a call's arguments";
+    MISPLACED_RANGE "E0112" "a range outside the forms that take one";
+    UNKNOWN_ATTRIBUTE "E0113" "an attribute that does not exist, stands twice or contradicts another";
+    UNSTATED_TYPE "E0114" "a top-level function without stated types";
+    MISPLACED_REST "E0115" "`..` that is not the last field of a pattern";
+    TOO_LONG "E0116" "a source text that is too long";
+
+    DUPLICATE "E0201" "two definitions of one name";
+    UNKNOWN_NAME "E0202" "a name that nothing defines";
+    UNKNOWN_TYPE "E0203" "a type that nothing defines";
+    UNKNOWN_MODULE "E0204" "a module that does not exist";
+    UNKNOWN_FIELD "E0205" "a field that does not exist";
+    DUPLICATE_FIELD "E0206" "a field given twice";
+    MISSING_FIELD "E0207" "a field that is not given";
+    NAMED_ARGUMENT "E0208" "named arguments where positions are needed";
+    NEEDS_MODULE "E0209" "a name whose module is not in use";
+
+    MISMATCH "E0301" "a value of another type than its place needs";
+    LITERAL_RANGE "E0302" "a literal that does not fit its type";
+    OPERATOR "E0303" "an operator that the operands' types do not have";
+    BUILTIN "E0304" "a built-in function that the arguments' types do not have";
+    ARGUMENTS "E0305" "the wrong number of arguments";
+    NOT_A_FUNCTION "E0306" "a call of something that is not a function";
+    UNKNOWN_TYPE_HERE "E0307" "a type that cannot be inferred";
+    INFINITE_TYPE "E0308" "a type that would contain itself";
+    TOO_LARGE "E0309" "a type of too many stream words";
+    EQUALITY "E0310" "a comparison of functions";
+    BAD_INDEX "E0311" "an index into something without elements";
+    GENERIC_ARGUMENTS "E0312" "the wrong number of type arguments";
+    ARRAY_LENGTH "E0313" "an array length that is not a positive integer constant";
+    FORM_AS_VALUE "E0314" "a built-in form used as a value";
+    NOT_A_STRUCT "E0315" "an update of something that is not a struct";
+
+    MISSING_CASE "E0401" "a match that leaves cases out";
+    REFUTABLE "E0402" "a pattern that may fail where it must fit";
+    OR_PATTERN "E0403" "alternatives that bind different names";
+    PATTERN_FIELDS "E0404" "a pattern with the wrong number of fields";
+    TOO_COMPLEX "E0405" "a match too complex to check";
+    NOT_A_CONSTRUCTOR "E0406" "a pattern that names neither a struct nor a variant";
+
+    RECURSIVE_TYPE "E0501" "a data type that contains itself";
+    CYCLIC_ALIAS "E0502" "a type alias that stands for itself";
+    CYCLIC_CONSTANT "E0503" "a constant or parameter that needs its own value";
+    POLYMORPHIC_RECURSION "E0504" "a generic function that calls itself with ever larger types";
+    CONSTANT_PARAM "E0505" "a constant that reads a parameter";
+    PARAM_RANGE "E0506" "a range on a parameter that has no order, or that leaves its default out";
+    BAKED_SHAPE "E0507" "a baked function of the wrong shape";
+    RASTER_TYPE "E0508" "a raster of a type it cannot hold";
+    INLINE_RECURSION "E0510" "a recursive function that must be inlined";
+    EMPTY_ITEM "E0509" "a struct or enum without anything in it";
+
+    UNREACHABLE_ARM "W0601" "an arm that can never be reached";
+
+    FILE_MODULE "E0901" "modules in files are not supported yet";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ALL;
+    use std::collections::HashSet;
+
+    #[test]
+    fn codes_are_unique() {
+        let codes: HashSet<_> = ALL.iter().map(|(code, _)| code).collect();
+        assert_eq!(codes.len(), ALL.len());
+    }
+}

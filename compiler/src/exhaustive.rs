@@ -1,0 +1,294 @@
+//! Which values a list of patterns leaves out, and which patterns take nothing that is left: usefulness
+//! after L. Maranget, "Warnings for pattern matching" (2007).
+//!
+//! A row of patterns is useful after others if some value fits it and none of them. An arm is reachable if
+//! it is useful after the arms before; a match is exhaustive if `_` is not useful after all of them, and
+//! the value that makes it useful is the missing case.
+
+use crate::typed::{Literal, Module, Pattern, PatternKind, Type};
+
+/// Most work spent on one match.
+const BUDGET: u64 = 2_000_000;
+
+pub struct Coverage {
+    /// A pattern for values that no arm takes.
+    pub missing: Option<String>,
+    pub unreachable: Vec<usize>,
+    /// Too many combinations to be sure.
+    pub too_complex: bool,
+}
+
+/// Checks the arms of a match: pattern, and whether it has a guard.
+pub fn coverage(module: &Module, ty: &Type, arms: &[(&Pattern, bool)]) -> Coverage {
+    let mut check = Check { module, budget: BUDGET };
+    let mut coverage = Coverage { missing: None, unreachable: Vec::new(), too_complex: false };
+    let types = [ty.clone()];
+    let mut rows: Vec<Vec<Pat>> = Vec::new();
+    for (i, (pattern, guarded)) in arms.iter().enumerate() {
+        let row = vec![Pat::of(pattern)];
+        match check.useful(&rows, &row, &types) {
+            Ok(None) => coverage.unreachable.push(i),
+            Ok(Some(_)) => {}
+            Err(TooComplex) => coverage.too_complex = true,
+        }
+        if !guarded {
+            rows.push(row);
+        }
+    }
+    match check.useful(&rows, &[Pat::Wild], &types) {
+        Ok(missing) => coverage.missing = missing.and_then(|mut w| w.pop()).map(|w| w.show(module)),
+        Err(TooComplex) => coverage.too_complex = true,
+    }
+    coverage
+}
+
+/// A value that an allegedly irrefutable pattern does not fit.
+pub fn refuted(module: &Module, pattern: &Pattern) -> Option<String> {
+    coverage(module, &pattern.ty, &[(pattern, false)]).missing
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Constructor {
+    /// The only one of a tuple or struct.
+    Only,
+    Variant(u32),
+    Bool(bool),
+    Number(u64),
+}
+
+/// A pattern without names.
+#[derive(Clone)]
+enum Pat {
+    Wild,
+    Build(Constructor, Vec<Pat>),
+    Or(Vec<Pat>),
+}
+
+impl Pat {
+    fn of(pattern: &Pattern) -> Pat {
+        let all = |parts: &[Pattern]| parts.iter().map(Pat::of).collect();
+        match &pattern.kind {
+            PatternKind::Wild | PatternKind::Bind(_) => Pat::Wild,
+            PatternKind::Literal(literal) => Pat::Build(Constructor::of(*literal), Vec::new()),
+            PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) => {
+                Pat::Build(Constructor::Only, all(parts))
+            }
+            PatternKind::Variant(_, index, parts) => Pat::Build(Constructor::Variant(*index), all(parts)),
+            PatternKind::Or(parts) => Pat::Or(all(parts)),
+        }
+    }
+}
+
+impl Constructor {
+    fn of(literal: Literal) -> Constructor {
+        match literal {
+            Literal::Bool(b) => Constructor::Bool(b),
+            Literal::I32(i) => Constructor::Number(i as u32 as u64),
+            Literal::U32(u) => Constructor::Number(u64::from(u)),
+            // Equal numbers are one constructor: both zeros, and what f32 does not tell apart.
+            Literal::F32(x) => Constructor::Number(u64::from((x as f32 + 0.0).to_bits())),
+        }
+    }
+}
+
+/// A value that was found, with what does not matter left open.
+enum Witness {
+    Any,
+    Build(Type, Constructor, Vec<Witness>),
+}
+
+impl Witness {
+    fn show(&self, module: &Module) -> String {
+        let Witness::Build(ty, constructor, parts) = self else { return "_".to_owned() };
+        let name = match (ty, constructor) {
+            (_, Constructor::Bool(b)) => return b.to_string(),
+            (Type::Enum(id, _), Constructor::Variant(i)) => {
+                module.enums[id.0 as usize].variants[*i as usize].name.as_str()
+            }
+            (Type::Struct(id, _), _) => module.structs[id.0 as usize].name.as_str(),
+            _ => "",
+        };
+        if parts.is_empty() {
+            return name.to_owned();
+        }
+        if parts.len() > 3 && parts.iter().all(|p| matches!(p, Witness::Any)) && !name.is_empty() {
+            return format!("{name}(..)");
+        }
+        let parts: Vec<String> = parts.iter().map(|p| p.show(module)).collect();
+        format!("{name}({})", parts.join(", "))
+    }
+}
+
+struct TooComplex;
+
+struct Check<'a> {
+    module: &'a Module,
+    budget: u64,
+}
+
+impl Check<'_> {
+    /// Values of `types` that fit `row` and none of `rows`.
+    fn useful(
+        &mut self,
+        rows: &[Vec<Pat>],
+        row: &[Pat],
+        types: &[Type],
+    ) -> Result<Option<Vec<Witness>>, TooComplex> {
+        self.budget = self.budget.checked_sub(1 + rows.len() as u64).ok_or(TooComplex)?;
+        let Some((ty, rest)) = types.split_first() else {
+            return Ok(rows.is_empty().then(Vec::new));
+        };
+        match &row[0] {
+            Pat::Or(alternatives) => {
+                for alternative in alternatives {
+                    let row: Vec<Pat> = std::iter::once(alternative).chain(&row[1..]).cloned().collect();
+                    if let Some(found) = self.useful(rows, &row, types)? {
+                        return Ok(Some(found));
+                    }
+                }
+                Ok(None)
+            }
+            Pat::Build(constructor, _) => self.specialised(*constructor, rows, row, ty, rest),
+            Pat::Wild => {
+                let mut used = Vec::new();
+                rows.iter().for_each(|row| constructors(&row[0], &mut used));
+                match self.signature(ty) {
+                    Some(all) if all.iter().all(|c| used.contains(c)) => {
+                        for constructor in all {
+                            if let Some(found) = self.specialised(constructor, rows, row, ty, rest)? {
+                                return Ok(Some(found));
+                            }
+                        }
+                        Ok(None)
+                    }
+                    all => self.others(all, &used, rows, row, ty, rest),
+                }
+            }
+        }
+    }
+
+    /// Only values made by one constructor.
+    fn specialised(
+        &mut self,
+        constructor: Constructor,
+        rows: &[Vec<Pat>],
+        row: &[Pat],
+        ty: &Type,
+        rest: &[Type],
+    ) -> Result<Option<Vec<Witness>>, TooComplex> {
+        let mut types = self.fields(ty, constructor);
+        let arity = types.len();
+        types.extend_from_slice(rest);
+        let mut inner = Vec::new();
+        rows.iter().for_each(|row| specialise(constructor, arity, row, &mut inner));
+        let mut own = Vec::new();
+        specialise(constructor, arity, row, &mut own);
+        let Some(own) = own.first() else { return Ok(None) };
+        Ok(self.useful(&inner, own, &types)?.map(|mut found| {
+            let after = found.split_off(arity);
+            let mut all = vec![Witness::Build(ty.clone(), constructor, found)];
+            all.extend(after);
+            all
+        }))
+    }
+
+    /// Values made by a constructor that no row mentions.
+    fn others(
+        &mut self,
+        all: Option<Vec<Constructor>>,
+        used: &[Constructor],
+        rows: &[Vec<Pat>],
+        row: &[Pat],
+        ty: &Type,
+        rest: &[Type],
+    ) -> Result<Option<Vec<Witness>>, TooComplex> {
+        let mut inner = Vec::new();
+        rows.iter().for_each(|row| without_first(row, &mut inner));
+        let Some(found) = self.useful(&inner, &row[1..], rest)? else { return Ok(None) };
+        let missing =
+            all.filter(|_| !used.is_empty()).and_then(|all| all.into_iter().find(|c| !used.contains(c)));
+        let first = match missing {
+            Some(constructor) => {
+                let fields = self.fields(ty, constructor).iter().map(|_| Witness::Any).collect();
+                Witness::Build(ty.clone(), constructor, fields)
+            }
+            None => Witness::Any,
+        };
+        Ok(Some(std::iter::once(first).chain(found).collect()))
+    }
+
+    /// All constructors of a type, if they can be listed.
+    fn signature(&self, ty: &Type) -> Option<Vec<Constructor>> {
+        match ty {
+            Type::Bool => Some(vec![Constructor::Bool(true), Constructor::Bool(false)]),
+            Type::Tuple(_) | Type::Struct(..) => Some(vec![Constructor::Only]),
+            Type::Enum(id, _) => {
+                let n = self.module.enums[id.0 as usize].variants.len() as u32;
+                Some((0..n).map(Constructor::Variant).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn fields(&self, ty: &Type, constructor: Constructor) -> Vec<Type> {
+        match (ty, constructor) {
+            (Type::Tuple(items), _) => items.clone(),
+            (Type::Struct(id, args), _) => {
+                let fields = &self.module.structs[id.0 as usize].fields;
+                fields.iter().map(|(_, ty)| ty.substitute(args)).collect()
+            }
+            (Type::Enum(id, args), Constructor::Variant(i)) => {
+                let variant = &self.module.enums[id.0 as usize].variants[i as usize];
+                variant.fields.iter().map(|ty| ty.substitute(args)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+fn constructors(pat: &Pat, into: &mut Vec<Constructor>) {
+    match pat {
+        Pat::Wild => {}
+        Pat::Build(constructor, _) if into.contains(constructor) => {}
+        Pat::Build(constructor, _) => into.push(*constructor),
+        Pat::Or(alternatives) => alternatives.iter().for_each(|p| constructors(p, into)),
+    }
+}
+
+/// The rows that a row becomes when its first value is known to be made by a constructor.
+fn specialise(constructor: Constructor, arity: usize, row: &[Pat], into: &mut Vec<Vec<Pat>>) {
+    let rest = &row[1..];
+    match &row[0] {
+        Pat::Wild => into.push(vec![Pat::Wild; arity].into_iter().chain(rest.iter().cloned()).collect()),
+        Pat::Build(own, parts) if *own == constructor => {
+            // Patterns with errors may have other numbers of fields.
+            let parts = parts.iter().cloned().chain(std::iter::repeat(Pat::Wild)).take(arity);
+            into.push(parts.chain(rest.iter().cloned()).collect());
+        }
+        Pat::Build(..) => {}
+        Pat::Or(alternatives) => {
+            for alternative in alternatives {
+                let row: Vec<Pat> = std::iter::once(alternative).chain(rest).cloned().collect();
+                specialise(constructor, arity, &row, into);
+            }
+        }
+    }
+}
+
+/// The rows that are left when the first value is made by none of the constructors mentioned.
+fn without_first(row: &[Pat], into: &mut Vec<Vec<Pat>>) {
+    let any = |pat: &Pat| {
+        let mut work = vec![pat];
+        while let Some(pat) = work.pop() {
+            match pat {
+                Pat::Wild => return true,
+                Pat::Build(..) => {}
+                Pat::Or(alternatives) => work.extend(alternatives),
+            }
+        }
+        false
+    };
+    if any(&row[0]) {
+        into.push(row[1..].to_vec());
+    }
+}

@@ -1,0 +1,151 @@
+//! The front end: text to typed tree, or every error that is worth telling.
+//!
+//! load and parse; declare items; check bodies; check what only whole programs show. Syntax errors end the
+//! work after parsing, everything else is collected.
+
+mod recursion;
+mod walk;
+
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Report, Severity};
+use crate::infer::{Body, ConstState, Env};
+use crate::resolve::declare::{Declared, declare};
+use crate::resolve::load::{Loaded, load};
+use crate::source::{Source, Sources};
+use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
+
+/// Trees are bounded but may be deep; this is ample for the deepest.
+const STACK: usize = 256 << 20;
+
+/// A program without errors.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    pub module: Module,
+    pub sources: Sources,
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Checks a program.
+pub fn front(source: Source) -> Result<Checked, Report> {
+    on_large_stack(move || {
+        let Loaded { sources, files, diagnostics } = load(source);
+        let (module, diagnostics) = match diagnostics.is_empty() {
+            true => check(declare(&files)),
+            false => (Module::default(), diagnostics),
+        };
+        let report = Report { sources, diagnostics: ordered(diagnostics) };
+        match report.has_errors() {
+            true => Err(report),
+            false => Ok(Checked { module, sources: report.sources, warnings: report.diagnostics }),
+        }
+    })
+}
+
+/// Runs on a thread with much stack; on this one where there are no threads.
+pub(crate) fn on_large_stack<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    let work = std::sync::Arc::new(std::sync::Mutex::new(Some(work)));
+    let taken = work.clone();
+    let run = move || taken.lock().ok().and_then(|mut w| w.take()).map(|w| w());
+    let take = || work.lock().ok().and_then(|mut w| w.take());
+    match std::thread::Builder::new().stack_size(STACK).spawn(run) {
+        Ok(thread) => match thread.join() {
+            Ok(result) => result.expect("the work was there to be taken"),
+            Err(panic) => std::panic::resume_unwind(panic),
+        },
+        Err(_) => take().expect("a thread that did not start took nothing")(),
+    }
+}
+
+fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
+    let Declared { module, names, functions, params, mut diagnostics } = declared;
+    let (mut consts, mut defaults, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
+    {
+        let env = Env::new(&module, &names, &functions);
+        for (i, (_, written)) in names.consts.iter().enumerate() {
+            env.const_type(ConstId(i as u32), written.name.span, &mut diagnostics);
+        }
+        consts.extend(env.consts.borrow_mut().drain(..).map(|state| match state {
+            ConstState::Done(body) => Some(body),
+            _ => None,
+        }));
+        // Bodies of functions read the types of constants only.
+        let known = consts
+            .iter()
+            .map(|body| ConstState::Known(body.as_ref().map_or(typed::Type::Error, |b| b.expr.ty.clone())));
+        env.consts.borrow_mut().extend(known);
+        for (i, (file, written)) in params.iter().enumerate() {
+            let stated = (&module.params[i].ty, written.ty.span);
+            let default = env.expression(*file, &written.default, Some(stated));
+            // A range on anything else was reported.
+            let ordered = matches!(module.params[i].ty, typed::Type::I32 | typed::Type::F32);
+            let range = written
+                .range
+                .as_ref()
+                .filter(|_| ordered)
+                .map(|(lo, hi)| [lo, hi].map(|end| env.expression(*file, end, Some(stated))));
+            defaults.push((default, range));
+        }
+        bodies.extend((0..functions.len()).map(|i| env.function(i)));
+    }
+    let mut module = module;
+    let mut keep = |body: Body| {
+        diagnostics.extend(body.diagnostics);
+        (body.expr, body.locals)
+    };
+    for (item, body) in module.consts.iter_mut().zip(consts) {
+        let Some(body) = body else { continue };
+        (item.value, item.locals) = keep(body);
+        item.ty = item.value.ty.clone();
+    }
+    for (item, (default, range)) in module.params.iter_mut().zip(defaults) {
+        (item.default, item.locals) = keep(default);
+        item.range = range.map(|[lo, hi]| (keep(lo).0, keep(hi).0));
+    }
+    for (item, body) in module.functions.iter_mut().zip(bodies) {
+        (item.body, item.locals) = keep(body);
+    }
+    if !diagnostics.iter().any(|d| d.severity == Severity::Error) {
+        recursion::check(&module, &mut diagnostics);
+        ranges(&module, &mut diagnostics);
+    }
+    (module, diagnostics)
+}
+
+/// Defaults outside the range of their parameter, as far as literals show it.
+fn ranges(module: &Module, out: &mut Vec<Diagnostic>) {
+    for param in &module.params {
+        let Some((lo, hi)) = &param.range else { continue };
+        let (Some(low), Some(value), Some(high)) = (number(lo), number(&param.default), number(hi)) else {
+            continue;
+        };
+        let (span, title) = match low <= high {
+            true if (low..=high).contains(&value) => continue,
+            true => (param.default.span, format!("the default of `{}` lies outside its range", param.name)),
+            false => (lo.span.to(hi.span), format!("the range of `{}` is empty", param.name)),
+        };
+        out.push(
+            Diagnostic::error(codes::PARAM_RANGE, span, title)
+                .help("the range is `in lowest..highest`, both included, and the default lies in it"),
+        );
+    }
+}
+
+/// The value of a literal, perhaps negative.
+fn number(e: &typed::Expr) -> Option<f64> {
+    match &e.kind {
+        ExprKind::Literal(Literal::I32(n)) => Some(f64::from(*n)),
+        ExprKind::Literal(Literal::F32(x)) => Some(*x),
+        ExprKind::Unary(UnaryOp::Neg, e) => number(e).map(|x| -x),
+        _ => None,
+    }
+}
+
+/// In the order of the text, the user's first; each once.
+fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    diagnostics.sort_by_key(|d| (d.primary.0.source, d.primary.0.start, d.primary.0.end, d.code));
+    diagnostics.dedup_by(|a, b| a.code == b.code && a.primary.0 == b.primary.0 && a.title == b.title);
+    diagnostics
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,76 @@
+//! Texts that are far too much of something end with a diagnostic, and soon.
+
+use super::*;
+use crate::codes::*;
+
+fn codes_of(text: &str) -> Vec<&'static str> {
+    found(text).into_iter().map(|(code, _)| code).collect()
+}
+
+#[test]
+fn long_and_deep_expressions() {
+    accepts(&of_type("i32", &format!("{}1", "n + ".repeat(400))));
+    accepts(&of_type("i32", &format!("{}n{}", "(".repeat(150), ")".repeat(150))));
+    let nested = format!("{} n {}", "if b { 1 } else { ".repeat(90), "}".repeat(90));
+    accepts(&of_type("i32", &nested));
+    assert_eq!(codes_of(&of_type("i32", &format!("{}1", "n + ".repeat(10_000)))), [TOO_DEEP]);
+    let chain = format!("{} {{ 2 }}", "if b { 1 } else ".repeat(5_000));
+    assert_eq!(codes_of(&of_type("i32", &chain)), [TOO_DEEP]);
+    assert_eq!(codes_of(&of_type("i32", &"[".repeat(5_000))), [TOO_DEEP]);
+}
+
+#[test]
+fn types_that_grow() {
+    let aliases: String = (1..60).map(|i| format!("type T{i} = (T{0}, T{0});", i - 1)).collect();
+    assert!(codes_of(&format!("type T0 = f32; {aliases}")).contains(&TOO_LARGE));
+    let structs: String = (1..60).map(|i| format!("struct S{i}(a: S{0}, b: S{0});", i - 1)).collect();
+    assert!(codes_of(&format!("struct S0(a: f32); {structs}")).contains(&TOO_LARGE));
+    let generic: String = (1..60).map(|i| format!("struct G{i}<A>(a: G{0}<(A, A)>);", i - 1)).collect();
+    assert!(
+        codes_of(&format!("struct G0<A>(a: A); {generic} fn f(x: G59<f32>) -> i32 = 1;"))
+            .contains(&TOO_LARGE)
+    );
+    let lets: String = (1..100).map(|i| format!("let a{i} = (a{0}, a{0});", i - 1)).collect();
+    assert!(codes_of(&format!("fn f() -> i32 {{ let a0 = 1; {lets} 1 }}")).contains(&TOO_LARGE));
+    let calls = format!("{}1{}", "pair(".repeat(100), ")".repeat(100));
+    let text = format!("fn pair<A>(a: A) -> (A, A) = (a, a); fn f() -> i32 {{ let x = {calls}; 1 }}");
+    assert!(codes_of(&text).contains(&TOO_LARGE));
+    let both = format!("fn pair<A>(a: A) -> (A, A) = (a, a); fn f() -> bool = {calls} == {calls};");
+    assert!(codes_of(&both).contains(&TOO_LARGE));
+}
+
+#[test]
+fn many_of_everything() {
+    let lets: String = (0..3_000).map(|i| format!("let a{i} = abs({i});")).collect();
+    accepts(&of_type("i32", &format!("{{ {lets} a2999 }}")));
+    let functions: String =
+        (0..2_000).map(|i| format!("fn f{i}(n: i32) -> i32 = f{}(n);", (i + 1) % 2_000)).collect();
+    accepts(&functions);
+    let arms: String = (0..500).map(|i| format!("{i} => {i},")).collect();
+    accepts(&of_type("i32", &format!("match n {{ {arms} _ => 0 }}")));
+}
+
+#[test]
+fn matches_with_exponentially_many_cases() {
+    let n = 24;
+    let params: Vec<String> = (0..n).map(|i| format!("b{i}: bool")).collect();
+    let names: Vec<String> = (0..n).map(|i| format!("b{i}")).collect();
+    let row = |k: usize| {
+        let cells: Vec<&str> = (0..n)
+            .map(|i| {
+                if i == k {
+                    "true"
+                } else if i == (k * 7 + 3) % n {
+                    "false"
+                } else {
+                    "_"
+                }
+            })
+            .collect();
+        format!("({}) => 1,", cells.join(", "))
+    };
+    let arms: String = (0..n).map(row).collect();
+    let text = format!("fn f({}) -> i32 = match ({}) {{ {arms} }};", params.join(", "), names.join(", "));
+    let codes = codes_of(&text);
+    assert!(codes == [MISSING_CASE] || codes == [TOO_COMPLEX], "{codes:?}");
+}

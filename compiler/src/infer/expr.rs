@@ -1,0 +1,429 @@
+//! Expressions other than calls.
+
+use super::goals::GoalKind;
+use super::table::{Form, Origin, Ty};
+use super::tree::{Arm, Kind, Node, Number, Pattern};
+use super::{Infer, Want};
+use crate::ast::{self, Expr, ExprKind, LambdaParam, Operator};
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::resolve::declare::defining_module;
+use crate::resolve::scope::Value;
+use crate::resolve::similar;
+use crate::resolve::types::count;
+use crate::source::Span;
+use crate::typed::{BinaryOp, LocalId, Type, UnaryOp};
+
+impl Infer<'_, '_> {
+    /// Checks an expression against the type its place wants.
+    pub(super) fn expr(&mut self, e: &Expr, want: Want) -> Node {
+        let span = e.span;
+        match &e.kind {
+            ExprKind::Error => self.error_node(span),
+            ExprKind::Bool(b) => self.settle(Kind::Number(Number::Bool(*b)), Ty::BOOL, span, want),
+            ExprKind::Int(value) => self.integer(*value, false, span, want),
+            ExprKind::Uint(value) => self.settle(Kind::Number(Number::Uint(*value)), Ty::U32, span, want),
+            ExprKind::Float(value) => self.settle(Kind::Number(Number::Float(*value)), Ty::F32, span, want),
+            ExprKind::Name(name) => self.name(name, span, want),
+            ExprKind::Hole => {
+                let title = "`_` stands only for an argument of a call";
+                self.report(
+                    Diagnostic::error(codes::MISPLACED_HOLE, span, title).help("write `f(a, _)` or a lambda"),
+                );
+                self.error_node(span)
+            }
+            ExprKind::Range(..) => self.misplaced_range(span),
+            ExprKind::Unary(op, operand) => self.unary(*op, operand, span, want),
+            ExprKind::Binary(op, l, r) => self.binary(*op, l, r, span, want),
+            ExprKind::Call(callee, arguments) => self.call(callee, arguments, span, want),
+            ExprKind::With(base, fields) => self.with(base, fields, span, want),
+            ExprKind::Field(base, name) => {
+                let unknown = self.fresh(base.span);
+                let base = self.expr(base, Want::just(unknown));
+                let ty = self.fresh(span);
+                let kind = GoalKind::Field { base: base.ty, name: name.clone(), result: ty, update: false };
+                self.goal(kind, span);
+                self.settle(Kind::Field(Box::new(base), name.clone()), ty, span, want)
+            }
+            ExprKind::Index(base, index) => {
+                let unknown = self.fresh(base.span);
+                let base = self.expr(base, Want::just(unknown));
+                let unknown = self.fresh(index.span);
+                let index = self.expr(index, Want::just(unknown));
+                let ty = self.fresh(span);
+                self.goal(GoalKind::Index { base: base.ty, index: (index.ty, index.span), result: ty }, span);
+                self.settle(Kind::Index(Box::new(base), Box::new(index)), ty, span, want)
+            }
+            ExprKind::Tuple(items) => self.tuple(items, span, want),
+            ExprKind::Array(items) => self.array(items, span, want),
+            ExprKind::Lambda(params, body) => self.lambda(params, body, span, want),
+            ExprKind::If(branches, last) => self.conditional(branches, last, span, want),
+            ExprKind::Match(e, arms) => self.matching(e, arms, span, want),
+            ExprKind::Block(lets, value) => self.block(lets, value, span, want),
+        }
+    }
+
+    /// Checks an expression whose place says nothing about its type.
+    pub(super) fn any(&mut self, e: &Expr) -> Node {
+        let unknown = self.fresh(e.span);
+        self.expr(e, Want::just(unknown))
+    }
+
+    pub(super) fn misplaced_range(&mut self, span: Span) -> Node {
+        let title = "a range stands only as the first argument of `fold`, `sum`, `any` and `all`";
+        self.report(Diagnostic::error(codes::MISPLACED_RANGE, span, title));
+        self.error_node(span)
+    }
+
+    fn integer(&mut self, value: u64, negative: bool, span: Span, want: Want) -> Node {
+        let ty = self.table.literal(span);
+        self.settle(Kind::Number(Number::Int(value, negative)), ty, span, want)
+    }
+
+    fn unary(&mut self, op: UnaryOp, operand: &Expr, span: Span, want: Want) -> Node {
+        if let (UnaryOp::Neg, ExprKind::Int(value)) = (op, &operand.kind) {
+            return self.integer(*value, true, span, want);
+        }
+        let operand = self.any(operand);
+        let ty = self.fresh(span);
+        self.goal(GoalKind::Unary { op, operand: operand.ty, result: ty }, span);
+        self.settle(Kind::Unary(op, Box::new(operand)), ty, span, want)
+    }
+
+    fn binary(&mut self, op: Operator, l: &Expr, r: &Expr, span: Span, want: Want) -> Node {
+        match op {
+            Operator::Pipe => self.pipe(l, r, span, want),
+            Operator::And | Operator::Or => {
+                let l = self.expr(l, Want::just(Ty::BOOL));
+                let r = self.expr(r, Want::just(Ty::BOOL));
+                let (l, r) = (Box::new(l), Box::new(r));
+                let kind = if op == Operator::And { Kind::And(l, r) } else { Kind::Or(l, r) };
+                self.settle(kind, Ty::BOOL, span, want)
+            }
+            Operator::Plain(op) => {
+                let (l, r) = (self.any(l), self.any(r));
+                let result = match op {
+                    BinaryOp::Eq
+                    | BinaryOp::Ne
+                    | BinaryOp::Lt
+                    | BinaryOp::Le
+                    | BinaryOp::Gt
+                    | BinaryOp::Ge => Ty::BOOL,
+                    _ => self.fresh(span),
+                };
+                let (left, right) = ((l.ty, l.span), (r.ty, r.span));
+                // The context can decide an operand that is not known.
+                let unsettled = self.goal(GoalKind::Binary { op, left, right, result }, span);
+                let node = self.settle(Kind::Binary(op, Box::new(l), Box::new(r)), result, span, want);
+                if unsettled {
+                    self.retry();
+                }
+                node
+            }
+        }
+    }
+
+    fn name(&mut self, name: &str, span: Span, want: Want) -> Node {
+        let (kind, ty) = if let Some(id) = self.lookup(name) {
+            (Kind::Local(id), self.locals[id.0 as usize].ty)
+        } else if let Some(value) = self.env.names.scopes.value(self.place.file, name) {
+            self.global(value, name, span)
+        } else if let Some(builtin) = self.env.names.scopes.builtin(self.place.file, name) {
+            return self.builtin_value(builtin, span, want);
+        } else {
+            self.unknown_name(name, span);
+            return self.error_node(span);
+        };
+        self.settle(kind, ty, span, want)
+    }
+
+    /// An item used as a value.
+    fn global(&mut self, value: Value, name: &str, span: Span) -> (Kind, Ty) {
+        let module = self.env.module;
+        match value {
+            Value::Function(id) => {
+                let function = &module.functions[id.0 as usize];
+                let args = self.instantiate(&function.generics, name, span);
+                let params = function.param_types().map(|t| self.table.import(t, &args)).collect();
+                let result = self.table.import(&function.result, &args);
+                (Kind::Function(id, args), self.table.add(Form::Fn(params, result)))
+            }
+            Value::Const(id) => {
+                let ty = self.env.const_type(id, span, &mut self.out);
+                (Kind::Const(id), self.table.import(&ty, &[]))
+            }
+            Value::Param(id) => (Kind::Param(id), self.table.import(&module.params[id.0 as usize].ty, &[])),
+            Value::Raster(id) => {
+                let result = self.table.import(&module.rasters[id.0 as usize].ty, &[]);
+                (Kind::Raster(id), self.table.add(Form::Fn(vec![Ty::vec(2)], result)))
+            }
+            Value::Struct(id) => {
+                let declared = &module.structs[id.0 as usize];
+                let args = self.instantiate(&declared.generics, name, span);
+                let params = declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
+                let result = self.table.add(Form::Struct(id, args));
+                (Kind::StructFunction(id), self.table.add(Form::Fn(params, result)))
+            }
+            Value::Variant(id, index) => {
+                let declared = &module.enums[id.0 as usize];
+                let args = self.instantiate(&declared.generics, name, span);
+                let fields = &declared.variants[index as usize].fields;
+                let params: Vec<Ty> = fields.iter().map(|t| self.table.import(t, &args)).collect();
+                let result = self.table.add(Form::Enum(id, args));
+                match params.is_empty() {
+                    true => (Kind::Variant(id, index, Vec::new()), result),
+                    false => (Kind::VariantFunction(id, index), self.table.add(Form::Fn(params, result))),
+                }
+            }
+        }
+    }
+
+    /// Fresh types for the type parameters of an item.
+    pub(super) fn instantiate(&mut self, generics: &[String], of: &str, span: Span) -> Vec<Ty> {
+        let origin = |param: &String| Origin::Generic(param.clone(), of.to_owned(), span);
+        generics.iter().map(|param| self.table.fresh(origin(param))).collect()
+    }
+
+    pub(super) fn unknown_name(&mut self, name: &str, span: Span) {
+        let scopes = &self.env.names.scopes;
+        if super::forms::is_form(name) {
+            let title = format!("`{name}` is not a value");
+            self.report(Diagnostic::error(codes::FORM_AS_VALUE, span, title).help(format!(
+                "it is a form: write it with its arguments, as in {}",
+                super::forms::example(name)
+            )));
+            return;
+        }
+        let diagnostic = if let Some(module) = defining_module(name, false) {
+            Diagnostic::error(codes::NEEDS_MODULE, span, format!("`{name}` is in module `{module}`"))
+                .label("not in scope")
+                .help(format!("add `use {module};`"))
+        } else {
+            let diagnostic =
+                Diagnostic::error(codes::UNKNOWN_NAME, span, format!("nothing is called `{name}` here"))
+                    .label("unknown name");
+            let locals = self.scope.iter().map(|(n, _): &(String, LocalId)| n.as_str());
+            let known = locals.chain(scopes.value_names(self.place.file)).chain(super::forms::names());
+            match similar(name, known).map(str::to_owned) {
+                Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")),
+                None => diagnostic,
+            }
+        };
+        self.report(diagnostic);
+    }
+
+    fn tuple(&mut self, items: &[Expr], span: Span, want: Want) -> Node {
+        let wanted = match self.table.form(want.ty) {
+            Form::Tuple(types) if types.len() == items.len() => types.clone(),
+            _ => Vec::new(),
+        };
+        let mut nodes = Vec::new();
+        for (i, item) in items.iter().enumerate() {
+            nodes.push(match wanted.get(i) {
+                Some(&ty) => self.expr(item, Want { ty, ..want }),
+                None => self.any(item),
+            });
+        }
+        if !wanted.is_empty() {
+            return Node { kind: Kind::Tuple(nodes), ty: want.ty, span };
+        }
+        let ty = self.table.add(Form::Tuple(nodes.iter().map(|n| n.ty).collect()));
+        self.settle(Kind::Tuple(nodes), ty, span, want)
+    }
+
+    fn array(&mut self, items: &[Expr], span: Span, want: Want) -> Node {
+        let (element, mut why) = match self.table.form(want.ty) {
+            Form::Array(element, n) if *n as usize == items.len() => (*element, want.why),
+            _ => (self.fresh(span), None),
+        };
+        let mut nodes = Vec::new();
+        for item in items {
+            nodes.push(self.expr(item, Want { ty: element, why }));
+            why = why.or(Some((item.span, "because the first element has this type")));
+        }
+        let ty = self.table.add(Form::Array(element, items.len() as u32));
+        self.settle(Kind::Array(nodes), ty, span, want)
+    }
+
+    fn lambda(&mut self, params: &[LambdaParam], body: &Expr, span: Span, want: Want) -> Node {
+        let mut wanted = match self.table.form(want.ty) {
+            Form::Fn(types, result) => Some((types.clone(), *result)),
+            _ => None,
+        };
+        if let Some((types, _)) = &wanted
+            && types.len() != params.len()
+        {
+            let (has, needs) = (count(params.len(), "parameter"), count(types.len(), "argument"));
+            let title = format!("this lambda has {has}, but it gets {needs}");
+            let diagnostic = Diagnostic::error(codes::ARGUMENTS, span, title).label("this lambda");
+            self.report(match want.why {
+                Some((at, text)) => diagnostic.also(at, text),
+                None => diagnostic,
+            });
+            wanted = None;
+        }
+        let mismatch = wanted.is_none() && matches!(self.table.form(want.ty), Form::Fn(..));
+        let mark = self.scope.len();
+        let (mut locals, mut types, mut lets) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, param) in params.iter().enumerate() {
+            let ty = match wanted.as_ref().map(|(types, _)| types[i]) {
+                Some(ty) => ty,
+                None => self.param_type(&param.pattern),
+            };
+            self.stated(param.ty.as_ref(), ty);
+            types.push(ty);
+            locals.push(self.lambda_param(&param.pattern, ty, &mut lets));
+        }
+        self.distinct_since(mark);
+        let body = match &wanted {
+            Some((_, result)) => self.expr(body, Want { ty: *result, why: want.why }),
+            None => self.any(body),
+        };
+        self.scope.truncate(mark);
+        let (body_ty, body_span) = (body.ty, body.span);
+        let body = match lets.is_empty() {
+            true => body,
+            false => Node { kind: Kind::Block(lets, Box::new(body)), ty: body_ty, span: body_span },
+        };
+        let kind = Kind::Lambda(locals, Box::new(body));
+        if wanted.is_some() {
+            return Node { kind, ty: want.ty, span };
+        }
+        let ty = self.table.add(Form::Fn(types, body_ty));
+        match mismatch {
+            true => Node { kind, ty, span },
+            false => self.settle(kind, ty, span, want),
+        }
+    }
+
+    fn param_type(&mut self, pattern: &ast::Pattern) -> Ty {
+        match &pattern.kind {
+            ast::PatternKind::Name(name) => self.table.fresh(Origin::Local(name.clone(), pattern.span)),
+            _ => self.table.fresh(Origin::Local("_".to_owned(), pattern.span)),
+        }
+    }
+
+    /// The local of a lambda's parameter; a pattern is taken apart in a `let` of the body.
+    fn lambda_param(&mut self, pattern: &ast::Pattern, ty: Ty, lets: &mut Vec<(Pattern, Node)>) -> LocalId {
+        let span = pattern.span;
+        let plain = match &pattern.kind {
+            ast::PatternKind::Name(name) => self.constructor(name).is_none(),
+            ast::PatternKind::Wild => true,
+            _ => false,
+        };
+        if let (ast::PatternKind::Name(name), true) = (&pattern.kind, plain) {
+            return self.bind(name, ty, span);
+        }
+        let local = self.local("_", ty, span);
+        if !plain {
+            let pattern = self.pattern_part(pattern, Want::just(ty), &[]);
+            lets.push((pattern, Node { kind: Kind::Local(local), ty, span }));
+        }
+        local
+    }
+
+    /// Unifies a stated type with the one known so far.
+    pub(super) fn stated(&mut self, written: Option<&ast::Type>, ty: Ty) -> Option<Span> {
+        let written = written?;
+        let stated: Type = self.env.names.ty(self.place, written, &mut self.out);
+        let stated = self.table.import(&stated, &[]);
+        self.require(written.span, stated, Want::just(ty));
+        Some(written.span)
+    }
+
+    fn conditional(&mut self, branches: &[(Expr, Expr)], last: &Expr, span: Span, want: Want) -> Node {
+        let mut want = want;
+        let mut nodes = Vec::new();
+        for (condition, value) in branches {
+            let condition = self.expr(condition, Want::just(Ty::BOOL));
+            nodes.push((condition, self.branch(value, &mut want)));
+        }
+        let last = self.branch(last, &mut want);
+        Node { kind: Kind::If(nodes, Box::new(last)), ty: want.ty, span }
+    }
+
+    /// A branch; the first one explains the type of the others.
+    fn branch(&mut self, value: &Expr, want: &mut Want) -> Node {
+        let node = self.expr(value, *want);
+        want.why = want.why.or(Some((value.span, "because the first branch has this type")));
+        node
+    }
+
+    fn matching(&mut self, e: &Expr, arms: &[ast::Arm], span: Span, want: Want) -> Node {
+        let scrutinee = self.any(e);
+        self.retry();
+        let of = Want { ty: scrutinee.ty, why: Some((scrutinee.span, "the type of this is matched")) };
+        let mut want = want;
+        let mut nodes = Vec::new();
+        for arm in arms {
+            let mark = self.scope.len();
+            let pattern = self.pattern(&arm.pattern, of);
+            let guard = arm.guard.as_ref().map(|g| self.expr(g, Want::just(Ty::BOOL)));
+            let value = self.branch(&arm.value, &mut want);
+            self.scope.truncate(mark);
+            nodes.push(Arm { pattern, guard, value });
+        }
+        Node { kind: Kind::Match(Box::new(scrutinee), nodes), ty: want.ty, span }
+    }
+
+    fn block(&mut self, lets: &[ast::Let], value: &Expr, span: Span, want: Want) -> Node {
+        let mark = self.scope.len();
+        let mut nodes = Vec::new();
+        for l in lets {
+            let ty = match &l.pattern.kind {
+                ast::PatternKind::Name(name) => self.table.fresh(Origin::Local(name.clone(), l.pattern.span)),
+                _ => self.fresh(l.value.span),
+            };
+            let why = self.stated(l.ty.as_ref(), ty).map(|at| (at, "the type is stated here"));
+            let value = self.expr(&l.value, Want { ty, why });
+            self.retry();
+            self.check_size(ty, l.value.span);
+            let pattern =
+                self.pattern(&l.pattern, Want { ty, why: Some((l.value.span, "the value has this type")) });
+            nodes.push((pattern, value));
+        }
+        let value = self.expr(value, want);
+        self.scope.truncate(mark);
+        let ty = value.ty;
+        Node { kind: Kind::Block(nodes, Box::new(value)), ty, span }
+    }
+
+    fn with(&mut self, base: &Expr, fields: &[ast::Argument], span: Span, want: Want) -> Node {
+        let base = self.expr(base, want);
+        let mut nodes: Vec<(ast::Name, Node)> = Vec::new();
+        for field in fields {
+            let Some(name) = &field.name else {
+                self.any(&field.value);
+                let title = "an update names its fields";
+                self.report(
+                    Diagnostic::error(codes::NAMED_ARGUMENT, field.value.span, title)
+                        .help("write `value with (field: new)`"),
+                );
+                continue;
+            };
+            if let Some((earlier, _)) = nodes.iter().find(|(n, _)| n.text == name.text) {
+                let title = format!("the field `{}` is given twice", name.text);
+                let diagnostic = Diagnostic::error(codes::DUPLICATE_FIELD, name.span, title)
+                    .also(earlier.span, "first here");
+                self.report(diagnostic);
+                continue;
+            }
+            let ty = self.fresh(field.value.span);
+            self.goal(
+                GoalKind::Field { base: base.ty, name: name.clone(), result: ty, update: true },
+                name.span,
+            );
+            let value =
+                self.expr(&field.value, Want { ty, why: Some((name.span, "the field has this type")) });
+            nodes.push((name.clone(), value));
+        }
+        let ty = base.ty;
+        Node { kind: Kind::With(Box::new(base), nodes), ty, span }
+    }
+
+    /// A struct, variant with fields or without, that a name stands for.
+    pub(super) fn constructor(&self, name: &str) -> Option<Value> {
+        let value = self.env.names.scopes.value(self.place.file, name)?;
+        matches!(value, Value::Struct(_) | Value::Variant(..)).then_some(value)
+    }
+}

@@ -1,0 +1,259 @@
+//! What must hold of types that may not be known yet. A goal is tried until it is settled.
+
+use super::table::{Form, Ty};
+use super::{Infer, Want};
+use crate::ast::Name;
+use crate::builtins::Builtin;
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::typed::{BinaryOp, UnaryOp};
+
+pub struct Goal {
+    kind: GoalKind,
+    span: Span,
+}
+
+pub type Placed = (Ty, Span);
+
+pub enum GoalKind {
+    Binary {
+        op: BinaryOp,
+        left: Placed,
+        right: Placed,
+        result: Ty,
+    },
+    /// The result has the operand's type.
+    Unary {
+        op: UnaryOp,
+        operand: Ty,
+        result: Ty,
+    },
+    /// Field, tuple component or swizzle; only a field where it is updated.
+    Field {
+        base: Ty,
+        name: Name,
+        result: Ty,
+        update: bool,
+    },
+    Index {
+        base: Ty,
+        index: Placed,
+        result: Ty,
+    },
+    Builtin {
+        builtin: Builtin,
+        args: Vec<Placed>,
+        result: Ty,
+    },
+    /// Something that `sum` can add.
+    Sum {
+        item: Ty,
+    },
+}
+
+impl Infer<'_, '_> {
+    /// Tries a goal and keeps it if it is too early; true if so.
+    pub(super) fn goal(&mut self, kind: GoalKind, span: Span) -> bool {
+        let settled = self.solve(&kind, span, false);
+        if !settled {
+            self.goals.push(Goal { kind, span });
+        }
+        !settled
+    }
+
+    /// Tries the waiting goals until none moves.
+    pub(super) fn retry(&mut self) {
+        loop {
+            let waiting = std::mem::take(&mut self.goals);
+            let before = waiting.len();
+            for goal in waiting {
+                if !self.solve(&goal.kind, goal.span, false) {
+                    self.goals.push(goal);
+                }
+            }
+            if self.goals.len() == before || self.goals.is_empty() {
+                return;
+            }
+        }
+    }
+
+    /// At the end of a body: literals take their default, then goals make their likeliest guess.
+    pub(super) fn settle_goals(&mut self) {
+        self.retry();
+        self.table.default_literals();
+        self.retry();
+        let mut next = 0;
+        while next < self.goals.len() {
+            let goal = self.goals.remove(next);
+            if self.solve(&goal.kind, goal.span, true) {
+                self.retry();
+                next = 0;
+            } else {
+                self.goals.insert(next, goal);
+                next += 1;
+            }
+        }
+        self.table.default_literals();
+        self.retry();
+        // What is left is unknown for a reason that finishing the tree reports.
+    }
+
+    /// True if nothing is left to do; `guess` lets a goal decide what it does not know.
+    fn solve(&mut self, kind: &GoalKind, span: Span, guess: bool) -> bool {
+        match kind {
+            GoalKind::Binary { op, left, right, result } => {
+                self.solve_binary(*op, *left, *right, *result, span, guess)
+            }
+            GoalKind::Unary { op, operand, result } => self.solve_unary(*op, *operand, *result, span),
+            GoalKind::Field { base, name, result, update } => self.solve_field(*base, name, *result, *update),
+            GoalKind::Index { base, index, result } => self.solve_index(*base, *index, *result, span, guess),
+            GoalKind::Builtin { builtin, args, result } => {
+                self.solve_builtin(*builtin, args, *result, span, guess)
+            }
+            GoalKind::Sum { item } => self.solve_sum(*item, span),
+        }
+    }
+
+    /// Makes a result known; a clash is reported where the result stands.
+    pub(super) fn result(&mut self, result: Ty, ty: Ty, span: Span) -> bool {
+        self.require(span, ty, Want { ty: result, why: None });
+        true
+    }
+
+    fn solve_field(&mut self, base: Ty, name: &Name, result: Ty, update: bool) -> bool {
+        let module = self.env.module;
+        let ty = match self.table.form(base).clone() {
+            Form::Var { literal: false, .. } => return false,
+            Form::Error => {
+                self.table.give_up(result);
+                return true;
+            }
+            Form::Struct(id, args) => {
+                let declared = &module.structs[id.0 as usize];
+                match declared.fields.iter().find(|(n, _)| *n == name.text) {
+                    Some((_, ty)) => self.table.import(ty, &args),
+                    None => {
+                        self.unknown_field(
+                            name,
+                            &declared.name,
+                            declared.fields.iter().map(|(n, _)| n.as_str()),
+                        );
+                        Ty::ERROR
+                    }
+                }
+            }
+            _ if update => {
+                let title = format!("{} is not a struct", super::quoted(&self.show(base)));
+                self.report(
+                    Diagnostic::error(codes::NOT_A_STRUCT, name.span, title)
+                        .help("only structs are updated by `with`"),
+                );
+                Ty::ERROR
+            }
+            Form::Tuple(items) => match name.text.parse::<usize>().ok().and_then(|i| items.get(i)) {
+                Some(&ty) => ty,
+                None => {
+                    let title = format!("a tuple of {} has no component `.{}`", items.len(), name.text);
+                    self.report(
+                        Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title)
+                            .help(format!("its components are `.0` to `.{}`", items.len().saturating_sub(1))),
+                    );
+                    Ty::ERROR
+                }
+            },
+            Form::Vec(n) => self.swizzle(name, n, base, Ty::F32, Ty::vec, 4),
+            Form::IVec(n) => self.swizzle(name, n, base, Ty::I32, Ty::ivec, 3),
+            _ => {
+                let title = format!("{} has no fields", super::quoted(&self.show(base)));
+                self.report(
+                    Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title)
+                        .label("not a struct, tuple or vector"),
+                );
+                Ty::ERROR
+            }
+        };
+        self.result(result, ty, name.span)
+    }
+
+    fn swizzle(
+        &mut self,
+        name: &Name,
+        n: u8,
+        base: Ty,
+        scalar: Ty,
+        vector: fn(u8) -> Ty,
+        longest: usize,
+    ) -> Ty {
+        match swizzle(&name.text, n).map(|parts| parts.len()) {
+            Some(1) => scalar,
+            Some(k) if k <= longest => vector(k as u8),
+            _ => {
+                let letters = |all: &str| all[..n as usize].to_owned();
+                let title = format!("`{}` has no component `.{}`", self.show(base), name.text);
+                let help = format!(
+                    "write up to {longest} of the letters {} or of {}, as in `.xy`",
+                    letters("xyzw"),
+                    letters("rgba")
+                );
+                self.report(Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title).help(help));
+                Ty::ERROR
+            }
+        }
+    }
+
+    fn solve_index(&mut self, base: Ty, index: Placed, result: Ty, span: Span, guess: bool) -> bool {
+        let element = match self.table.form(base) {
+            Form::Var { literal: false, .. } => return false,
+            Form::Error => {
+                self.table.give_up(result);
+                return true;
+            }
+            Form::Array(element, _) => *element,
+            Form::Vec(_) => Ty::F32,
+            Form::IVec(_) => Ty::I32,
+            Form::Mat(n) => Ty::vec(*n),
+            _ => {
+                let title = format!("{} has no elements", super::quoted(&self.show(base)));
+                self.report(Diagnostic::error(codes::BAD_INDEX, span, title).help(
+                    "arrays, vectors and matrices have elements; a tuple's components are `.0`, `.1`, ..",
+                ));
+                self.table.give_up(result);
+                return true;
+            }
+        };
+        self.result(result, element, span);
+        match self.table.form(index.0) {
+            Form::Var { literal: true, .. } | Form::I32 | Form::U32 | Form::Error => true,
+            Form::Var { .. } if !guess => false,
+            _ => {
+                self.require(index.1, index.0, Want::just(Ty::I32));
+                true
+            }
+        }
+    }
+}
+
+/// Components that a swizzle of a vector with n components names.
+pub fn swizzle(name: &str, n: u8) -> Option<Vec<u8>> {
+    let of = |letters: &str| -> Option<Vec<u8>> {
+        name.chars().map(|c| letters.find(c).map(|i| i as u8).filter(|&i| i < n)).collect()
+    };
+    let parts = of("xyzw").or_else(|| of("rgba"))?;
+    (1..=4).contains(&parts.len()).then_some(parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::swizzle;
+
+    #[test]
+    fn swizzles() {
+        assert_eq!(swizzle("xzy", 3), Some(vec![0, 2, 1]));
+        assert_eq!(swizzle("bgr", 3), Some(vec![2, 1, 0]));
+        assert_eq!(swizzle("w", 3), None);
+        assert_eq!(swizzle("xg", 3), None);
+        assert_eq!(swizzle("xxxxx", 3), None);
+        assert_eq!(swizzle("", 3), None);
+    }
+}

@@ -1,0 +1,20 @@
+//! The library modules, in Ghyll, as part of the compiler.
+
+/// Names that are always in scope.
+pub const PRELUDE: &str = "prelude";
+
+/// Modules that `use` can name, with their texts.
+pub const MODULES: &[(&str, &str)] = &[
+    (PRELUDE, include_str!("../std/prelude.ghyll")),
+    ("terrain", include_str!("../std/terrain.ghyll")),
+    ("shade", include_str!("../std/shade.ghyll")),
+];
+
+pub fn text(name: &str) -> Option<&'static str> {
+    MODULES.iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
+}
+
+/// Name of a library text in diagnostics.
+pub fn file_name(name: &str) -> String {
+    format!("<library>/{name}.ghyll")
+}

@@ -1,0 +1,393 @@
+//! Expressions.
+
+use super::value::{Closure, Value};
+use super::{Env, Lower, unsupported};
+use crate::core::{Atom, Block, Const, Op, Prim, Scalar};
+use crate::layout;
+use crate::source::Span;
+use crate::typed::{BinaryOp, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+impl<'m> Lower<'m> {
+    pub(super) fn expr(&mut self, expr: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
+        if self.too_large() {
+            return self.placeholder(&env.ty(&expr.ty));
+        }
+        match &expr.kind {
+            ExprKind::Literal(literal) => Value::constant(constant(*literal)),
+            ExprKind::Local(id) => env.get(*id),
+            ExprKind::Const(id) => self.constant(*id),
+            ExprKind::Param(id) => self.param(*id),
+            ExprKind::Raster(id) => function(Closure::Raster(*id)),
+            ExprKind::Function(id, types) => {
+                function(Closure::Function(*id, types.iter().map(|t| env.ty(t)).collect()))
+            }
+            ExprKind::Builtin(builtin) => function(Closure::Builtin(*builtin)),
+            ExprKind::VariantFunction(_, tag) => function(Closure::Variant(*tag)),
+            ExprKind::StructFunction(_) => function(Closure::Struct),
+            ExprKind::Lambda(params, body) => {
+                let mut free = BTreeSet::new();
+                super::call::free_locals(body, &mut free);
+                let captures =
+                    free.iter().filter_map(|id| Some((*id, env.locals.get(id)?.clone()))).collect();
+                function(Closure::Lambda { params, body, captures, types: env.types.clone() })
+            }
+            ExprKind::Call(callee, args) => self.call(expr, callee, args, env),
+            ExprKind::Unary(op, a) => self.unary(*op, a, env),
+            ExprKind::Binary(op, a, b) => self.binary(*op, a, b, env),
+            ExprKind::And(a, b) => self.short_circuit(a, b, false, env),
+            ExprKind::Or(a, b) => self.short_circuit(a, b, true, env),
+            ExprKind::Tuple(items) | ExprKind::Array(items) | ExprKind::Struct(_, items) => {
+                Value::Group(items.iter().map(|e| self.expr(e, env)).collect())
+            }
+            ExprKind::With(base, updates) => {
+                let mut items = self.expr(base, env).items().to_vec();
+                for (field, value) in updates {
+                    items[*field as usize] = self.expr(value, env);
+                }
+                Value::Group(items)
+            }
+            ExprKind::Variant(_, tag, fields) => {
+                Value::Variant(*tag, fields.iter().map(|e| self.expr(e, env)).collect())
+            }
+            ExprKind::Field(base, at) => self.expr(base, env).items()[*at as usize].clone(),
+            ExprKind::Swizzle(base, parts) => {
+                let base = self.expr(base, env);
+                let mut picked: Vec<Value> =
+                    parts.iter().map(|c| base.items()[*c as usize].clone()).collect();
+                if picked.len() == 1 { picked.swap_remove(0) } else { Value::Group(picked) }
+            }
+            ExprKind::Index(base, index) => self.index(expr, base, index, env),
+            ExprKind::If(cond, yes, no) => {
+                let cond = self.expr(cond, env).atom();
+                let ty = env.ty(&expr.ty);
+                self.branch(cond, &ty, expr.span, env, |l, env| l.expr(yes, env), |l, env| l.expr(no, env))
+            }
+            ExprKind::Match(scrutinee, arms) => self.matching(expr, scrutinee, arms, env),
+            ExprKind::Block(lets, value) => self.scope(lets, value, env),
+            ExprKind::Range(op, form) => self.range(expr, *op, form, env),
+            ExprKind::Derivative(_) => {
+                self.error(unsupported(
+                    "E0903",
+                    expr.span,
+                    "derivatives are not supported yet",
+                    "`normal(surface, p)` of module `terrain` gives the normal of a built-in surface",
+                ));
+                self.placeholder(&env.ty(&expr.ty))
+            }
+        }
+    }
+
+    fn scope(&mut self, lets: &'m [Let], value: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
+        for binding in lets {
+            let bound = self.expr(&binding.value, env);
+            let ty = env.ty(&binding.value.ty);
+            self.bind(&binding.pattern, &bound, &ty, env);
+        }
+        self.expr(value, env)
+    }
+
+    /// A value that stands in after an error.
+    pub(super) fn placeholder(&self, ty: &Type) -> Value<'m> {
+        match layout::scalars(self.module, ty) {
+            Some(scalars) => {
+                let mut zeros = scalars.into_iter().map(|s| Atom::Const(Const::from_word(s, 0)));
+                self.unflatten(ty, &mut zeros)
+            }
+            None => match ty {
+                Type::Enum(id, args) => {
+                    let fields = layout::variants(self.module, *id, args).swap_remove(0);
+                    Value::Variant(0, fields.iter().map(|t| self.placeholder(t)).collect())
+                }
+                ty => match layout::items(self.module, ty) {
+                    Some(items) => Value::Group(items.iter().map(|t| self.placeholder(t)).collect()),
+                    None => function(Closure::Struct),
+                },
+            },
+        }
+    }
+
+    fn param(&mut self, id: ParamId) -> Value<'m> {
+        let definition = &self.module.params[id.0 as usize];
+        if let Some(first) = self.live.get(&id).copied() {
+            let scalars =
+                layout::scalars(self.module, &definition.ty).expect("live parameters are first order");
+            let mut words = Vec::with_capacity(scalars.len());
+            for (at, scalar) in scalars.iter().enumerate() {
+                words.push(self.emit(Op::Live(first + at as u32), &[*scalar])[0]);
+            }
+            return self.unflatten(&definition.ty, &mut words.into_iter());
+        }
+        let settings = self.settings;
+        match settings.set.get(&id) {
+            Some(setting) => self.setting(&setting.value),
+            None => self.expr(&definition.default, &mut Env::default()),
+        }
+    }
+
+    fn unary(&mut self, op: UnaryOp, a: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
+        let prim = match op {
+            UnaryOp::Neg => Prim::Neg,
+            UnaryOp::Not => Prim::Not,
+        };
+        let value = self.expr(a, env);
+        self.map(&value, &mut |l, atom| {
+            let scalar = l.scalar_of(atom);
+            l.prim(prim, scalar, vec![atom])
+        })
+    }
+
+    /// Applies a scalar operation to every atom of a product.
+    pub(super) fn map(
+        &mut self,
+        value: &Value<'m>,
+        f: &mut impl FnMut(&mut Self, Atom) -> Atom,
+    ) -> Value<'m> {
+        match value {
+            Value::Group(items) => Value::Group(items.iter().map(|v| self.map(v, f)).collect()),
+            value => Value::Atom(f(self, value.atom())),
+        }
+    }
+
+    fn binary(&mut self, op: BinaryOp, a: &'m Expr, b: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
+        let (ta, tb) = (env.ty(&a.ty), env.ty(&b.ty));
+        let a = self.expr(a, env);
+        let b = self.expr(b, env);
+        match op {
+            BinaryOp::Eq => self.equal(&a, &b, &ta),
+            BinaryOp::Ne => {
+                let equal = self.equal(&a, &b, &ta).atom();
+                Value::Atom(self.prim(Prim::Not, Scalar::Bool, vec![equal]))
+            }
+            BinaryOp::Mul if matches!(ta, Type::Mat(_)) || matches!(tb, Type::Mat(_)) => {
+                self.matrix_product(&a, &ta, &b, &tb)
+            }
+            _ => {
+                let (prim, swap) = primitive(op);
+                if swap { self.zip(prim, &b, &a) } else { self.zip(prim, &a, &b) }
+            }
+        }
+    }
+
+    /// Componentwise; a scalar goes with every component.
+    pub(super) fn zip(&mut self, prim: Prim, a: &Value<'m>, b: &Value<'m>) -> Value<'m> {
+        match (a, b) {
+            (Value::Group(xs), Value::Group(ys)) => {
+                Value::Group(xs.iter().zip(ys).map(|(x, y)| self.zip(prim, x, y)).collect())
+            }
+            (Value::Group(xs), y) => Value::Group(xs.iter().map(|x| self.zip(prim, x, y)).collect()),
+            (x, Value::Group(ys)) => Value::Group(ys.iter().map(|y| self.zip(prim, x, y)).collect()),
+            (x, y) => {
+                let scalar = self.scalar_of(x.atom());
+                Value::Atom(self.prim(prim, scalar, vec![x.atom(), y.atom()]))
+            }
+        }
+    }
+
+    /// Structural equality: every pair of words is equal.
+    fn equal(&mut self, a: &Value<'m>, b: &Value<'m>, ty: &Type) -> Value<'m> {
+        let (mut xs, mut ys) = (Vec::new(), Vec::new());
+        self.equality_words(a, b, ty, &mut xs, &mut ys);
+        let mut all = Atom::Const(Const::Bool(true));
+        for (x, y) in xs.into_iter().zip(ys) {
+            let scalar = self.scalar_of(x);
+            let same = self.prim(Prim::Eq, scalar, vec![x, y]);
+            all = self.prim(Prim::And, Scalar::Bool, vec![all, same]);
+        }
+        Value::Atom(all)
+    }
+
+    /// The words to compare one by one. Enums are compared variant by variant, for a payload may hold floats as bits.
+    fn equality_words(
+        &mut self,
+        a: &Value<'m>,
+        b: &Value<'m>,
+        ty: &Type,
+        xs: &mut Vec<Atom>,
+        ys: &mut Vec<Atom>,
+    ) {
+        if let Type::Enum(id, args) = ty {
+            let (ta, pa) = self.enum_words(a, ty);
+            let (tb, pb) = self.enum_words(b, ty);
+            xs.push(ta);
+            ys.push(tb);
+            let variants = layout::variants(self.module, *id, args);
+            for tag in 0..variants.len() as u32 {
+                if variants[tag as usize].is_empty() {
+                    continue;
+                }
+                let fields_a = self.unpack(*id, args, tag, &pa);
+                let fields_b = self.unpack(*id, args, tag, &pb);
+                let group = Type::Tuple(variants[tag as usize].clone());
+                let same = self.equal(&Value::Group(fields_a), &Value::Group(fields_b), &group).atom();
+                let tag_atom = Atom::Const(Const::I32(tag as i32));
+                let other = self.prim(Prim::Ne, Scalar::I32, vec![ta, tag_atom]);
+                xs.push(self.prim(Prim::Or, Scalar::Bool, vec![other, same]));
+                ys.push(Atom::Const(Const::Bool(true)));
+            }
+            return;
+        }
+        match layout::items(self.module, ty) {
+            Some(items) => {
+                for ((a, b), t) in a.items().iter().zip(b.items()).zip(&items) {
+                    self.equality_words(a, b, t, xs, ys);
+                }
+            }
+            None => {
+                xs.push(a.atom());
+                ys.push(b.atom());
+            }
+        }
+    }
+
+    /// Tag and payload of an enum's value, packed if its variant is known.
+    pub(super) fn enum_words(&mut self, value: &Value<'m>, ty: &Type) -> (Atom, Vec<Atom>) {
+        let mut words = Vec::new();
+        self.flatten(value, ty, &mut words);
+        let payload = words.split_off(1);
+        (words[0], payload)
+    }
+
+    fn short_circuit(&mut self, a: &'m Expr, b: &'m Expr, on: bool, env: &mut Env<'m>) -> Value<'m> {
+        let first = self.expr(a, env).atom();
+        let known = Value::constant(Const::Bool(on));
+        let (span, ty) = (a.span, Type::Bool);
+        if on {
+            self.branch(first, &ty, span, env, |_, _| known, |l, env| l.expr(b, env))
+        } else {
+            self.branch(first, &ty, span, env, |l, env| l.expr(b, env), |_, _| known)
+        }
+    }
+
+    /// `if`, of which only one side is made when the condition is known.
+    pub(super) fn branch(
+        &mut self,
+        cond: Atom,
+        ty: &Type,
+        span: Span,
+        env: &mut Env<'m>,
+        yes: impl FnOnce(&mut Self, &mut Env<'m>) -> Value<'m>,
+        no: impl FnOnce(&mut Self, &mut Env<'m>) -> Value<'m>,
+    ) -> Value<'m> {
+        if let Atom::Const(Const::Bool(known)) = cond {
+            return if known { yes(self, env) } else { no(self, env) };
+        }
+        let side = |l: &mut Self, make: &mut dyn FnMut(&mut Self, &mut Env<'m>) -> Value<'m>| {
+            let mut inner = env.clone();
+            l.block(|l| {
+                let value = make(l, &mut inner);
+                let mut words = Vec::new();
+                let shape = l.dissect(&value, ty, &mut words);
+                (value, shape, words)
+            })
+        };
+        let (mut yes, mut no) = (Some(yes), Some(no));
+        let (yes_stmts, (value, yes_shape, yes_words)) =
+            side(self, &mut |l, env| yes.take().expect("called once")(l, env));
+        let (no_stmts, (_, no_shape, no_words)) =
+            side(self, &mut |l, env| no.take().expect("called once")(l, env));
+        if yes_shape != no_shape {
+            self.error(unsupported(
+                "E0901",
+                span,
+                "a function value chosen at run time is not supported yet",
+                "choose between results instead: call the functions inside the branches",
+            ));
+            return value;
+        }
+        let scalars: Vec<Scalar> = yes_words.iter().map(|a| self.scalar_of(*a)).collect();
+        let yes = Block { stmts: yes_stmts, results: yes_words };
+        let no = Block { stmts: no_stmts, results: no_words };
+        let words = self.emit(Op::If(cond, yes, no), &scalars);
+        self.rebuild(&value, ty, &mut words.into_iter())
+    }
+
+    fn index(&mut self, expr: &'m Expr, base: &'m Expr, index: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
+        let ty = env.ty(&expr.ty);
+        let base = self.expr(base, env);
+        let at = self.expr(index, env).atom();
+        let at = match self.scalar_of(at) {
+            // Clamp as unsigned first: an index of 2^31 and more means the last element.
+            Scalar::U32 => {
+                let last = Atom::Const(Const::U32(base.items().len() as u32 - 1));
+                let low = self.prim(Prim::Min, Scalar::U32, vec![at, last]);
+                self.prim(Prim::ToI32, Scalar::U32, vec![low])
+            }
+            _ => at,
+        };
+        let items = base.items().to_vec();
+        if let Atom::Const(Const::I32(i)) = at {
+            return items[i.clamp(0, items.len() as i32 - 1) as usize].clone();
+        }
+        if layout::scalars(self.module, &ty).is_none() {
+            self.error(unsupported(
+                "E0901",
+                expr.span,
+                "a function value chosen at run time is not supported yet",
+                "index with a constant, or choose between results instead",
+            ));
+            return items[0].clone();
+        }
+        let rows: Vec<Vec<Atom>> = items
+            .iter()
+            .map(|item| {
+                let mut words = Vec::new();
+                self.flatten(item, &ty, &mut words);
+                words
+            })
+            .collect();
+        let mut words = Vec::new();
+        for column in 0..rows[0].len() {
+            let mut operands = vec![at];
+            operands.extend(rows.iter().map(|row| row[column]));
+            let scalar = self.scalar_of(rows[0][column]);
+            words.push(self.prim(Prim::Index, scalar, operands));
+        }
+        self.unflatten(&ty, &mut words.into_iter())
+    }
+
+    /// A parameter's value given from outside.
+    fn setting(&mut self, value: &'m Expr) -> Value<'m> {
+        self.expr(value, &mut Env::default())
+    }
+
+    pub(super) fn locals_bound(&self, env: &mut Env<'m>, params: &[LocalId], args: Vec<Value<'m>>) {
+        env.locals.extend(params.iter().copied().zip(args));
+    }
+}
+
+pub(super) fn function<'m>(closure: Closure<'m>) -> Value<'m> {
+    Value::Function(Rc::new(closure))
+}
+
+pub(super) fn constant(literal: Literal) -> Const {
+    match literal {
+        Literal::Bool(b) => Const::Bool(b),
+        Literal::I32(i) => Const::I32(i),
+        Literal::U32(u) => Const::U32(u),
+        Literal::F32(x) => Const::f32(x as f32),
+    }
+}
+
+/// The scalar operation of an operator, and whether its operands swap places.
+fn primitive(op: BinaryOp) -> (Prim, bool) {
+    match op {
+        BinaryOp::Add => (Prim::Add, false),
+        BinaryOp::Sub => (Prim::Sub, false),
+        BinaryOp::Mul => (Prim::Mul, false),
+        BinaryOp::Div => (Prim::Div, false),
+        BinaryOp::Rem => (Prim::Rem, false),
+        BinaryOp::BitAnd => (Prim::And, false),
+        BinaryOp::BitOr => (Prim::Or, false),
+        BinaryOp::BitXor => (Prim::Xor, false),
+        BinaryOp::Shl => (Prim::Shl, false),
+        BinaryOp::Shr => (Prim::Shr, false),
+        BinaryOp::Eq => (Prim::Eq, false),
+        BinaryOp::Ne => (Prim::Ne, false),
+        BinaryOp::Lt => (Prim::Lt, false),
+        BinaryOp::Le => (Prim::Le, false),
+        BinaryOp::Gt => (Prim::Lt, true),
+        BinaryOp::Ge => (Prim::Le, true),
+    }
+}

@@ -1,0 +1,391 @@
+//! Typed tree to core: specialisation and scalarisation in one walk.
+//!
+//! Each function is lowered once for every combination of type arguments and statically known arguments it is called with
+//! (`Key`); calls of lambdas are replaced by their bodies. So generics, parameters fixed with `--set` and function values
+//! known at compile time leave no trace. Values whose branch is known now (`if` on a parameter, `match` on a known variant)
+//! lower only that branch.
+
+mod builtins;
+mod call;
+mod constant;
+mod expr;
+mod matching;
+mod ranges;
+mod value;
+
+use crate::core::{Atom, Block, Const, FnId, Function, Mark, Op, Prim, Program, Scalar, Stmt, Var};
+use crate::diagnostic::Diagnostic;
+use crate::layout;
+use crate::scalar;
+use crate::source::Span;
+use crate::typed::{self, ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::rc::Rc;
+use value::{Captures, Shape, Value};
+
+/// Values given to parameters from outside, checked against their types.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    pub set: HashMap<ParamId, Setting>,
+    /// Parameters that stay changeable without compiling again.
+    pub live: Vec<ParamId>,
+}
+
+/// A parameter's value as a typed expression with its own locals.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    pub value: Expr,
+    pub locals: Vec<Local>,
+}
+
+/// More statements than this are refused: a program that grows so by specialisation is a mistake.
+const STATEMENT_LIMIT: usize = 400_000;
+/// Function values captured in function values captured in .. deeper than this are chosen at run time.
+const CLOSURE_DEPTH_LIMIT: usize = 12;
+/// Bodies put in place of calls inside each other; deeper means recursion through a function value.
+const INLINE_DEPTH_LIMIT: usize = 64;
+
+/// Lowers what `entry` reaches.
+pub fn lower(module: &Module, entry: FunctionId, settings: &Settings) -> Result<Program, Vec<Diagnostic>> {
+    let mut lower = Lower::new(module, settings);
+    lower.entry(entry)?;
+    lower.drain()?;
+    let live = settings.live.iter().filter_map(|id| lower.live_shape(*id)).collect();
+    let functions =
+        lower.functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect();
+    Ok(Program { functions, entry: 0, live })
+}
+
+/// What tells one specialisation of a function from another.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Key {
+    function: FunctionId,
+    types: Vec<Type>,
+    args: Vec<Shape>,
+}
+
+/// A specialisation to be lowered: arguments whose machine words will be its parameters.
+struct Job<'m> {
+    id: FnId,
+    function: FunctionId,
+    types: Rc<Vec<Type>>,
+    /// Machine words in them are typed zeros.
+    args: Vec<Value<'m>>,
+    name: String,
+}
+
+struct Lower<'m> {
+    module: &'m Module,
+    settings: &'m Settings,
+    functions: Vec<Option<Function>>,
+    known: HashMap<Key, FnId>,
+    names: HashMap<String, u32>,
+    queue: VecDeque<Job<'m>>,
+    builder: Builder,
+    statements: usize,
+    inlined: usize,
+    errors: Vec<Diagnostic>,
+    /// First word of each live parameter.
+    live: BTreeMap<ParamId, u32>,
+    /// Constants already computed.
+    constants: HashMap<ConstId, Value<'m>>,
+}
+
+/// The function under construction.
+#[derive(Default)]
+struct Builder {
+    vars: Vec<Scalar>,
+    /// Statements of the open blocks, innermost last.
+    open: Vec<Vec<Stmt>>,
+}
+
+/// Names in scope while a body is lowered.
+#[derive(Clone, Default)]
+struct Env<'m> {
+    locals: Captures<'m>,
+    types: Rc<Vec<Type>>,
+}
+
+impl<'m> Lower<'m> {
+    fn new(module: &'m Module, settings: &'m Settings) -> Lower<'m> {
+        Lower {
+            module,
+            settings,
+            functions: Vec::new(),
+            known: HashMap::new(),
+            names: HashMap::new(),
+            queue: VecDeque::new(),
+            builder: Builder::default(),
+            statements: 0,
+            inlined: 0,
+            errors: Vec::new(),
+            live: BTreeMap::new(),
+            constants: HashMap::new(),
+        }
+    }
+
+    /// Lowers every queued specialisation.
+    fn drain(&mut self) -> Result<(), Vec<Diagnostic>> {
+        while self.errors.is_empty() {
+            let Some(job) = self.queue.pop_front() else { return Ok(()) };
+            self.function(job);
+        }
+        Err(std::mem::take(&mut self.errors))
+    }
+
+    /// Queues the entry: its parameters are machine words.
+    fn entry(&mut self, entry: FunctionId) -> Result<(), Vec<Diagnostic>> {
+        let mut word = 0;
+        for id in &self.settings.live {
+            self.live.insert(*id, word);
+            let param = &self.module.params[id.0 as usize];
+            match layout::scalars(self.module, &param.ty) {
+                Some(scalars) => word += scalars.len() as u32,
+                None => {
+                    return Err(vec![unsupported(
+                        "E0906",
+                        param.span,
+                        format!("a live function parameter is not supported yet: `{}`", param.name),
+                        "set it with `--set`, which compiles the program for that function",
+                    )]);
+                }
+            }
+        }
+        let function = &self.module.functions[entry.0 as usize];
+        let mut args = Vec::new();
+        for ty in function.param_types() {
+            let Some(scalars) = layout::scalars(self.module, ty) else {
+                return Err(vec![
+                    Diagnostic::error(
+                        "E0505",
+                        function.span,
+                        format!("`{}` cannot be an entry", function.name),
+                    )
+                    .label("it takes a function or a type that is not fixed")
+                    .help("an entry's parameters are numbers, vectors, tuples, structs or enums"),
+                ]);
+            };
+            let mut words = scalars.into_iter().map(|s| Atom::Const(Const::from_word(s, 0)));
+            args.push(self.unflatten(ty, &mut words));
+        }
+        if layout::scalars(self.module, &function.result).is_none() || !function.generics.is_empty() {
+            return Err(vec![
+                Diagnostic::error("E0505", function.span, format!("`{}` cannot be an entry", function.name))
+                    .label("its value cannot be printed")
+                    .help(
+                        "an entry yields a number, vector, tuple, struct or enum, and has no type parameters",
+                    ),
+            ]);
+        }
+        self.specialise(entry, Vec::new(), args, function.span);
+        Ok(())
+    }
+
+    /// The specialisation of `function` for these arguments and the words to call it with.
+    fn specialise(
+        &mut self,
+        function: FunctionId,
+        types: Vec<Type>,
+        args: Vec<Value<'m>>,
+        span: Span,
+    ) -> (FnId, Vec<Atom>) {
+        let definition = &self.module.functions[function.0 as usize];
+        let param_types: Vec<Type> = definition.param_types().map(|t| t.substitute(&types)).collect();
+        let mut words = Vec::new();
+        let shapes: Vec<Shape> =
+            args.iter().zip(&param_types).map(|(v, t)| self.dissect(v, t, &mut words)).collect();
+        if shapes.iter().any(|s| s.depth() > CLOSURE_DEPTH_LIMIT) {
+            self.error(unsupported(
+                "E0901",
+                span,
+                "a function value that grows with each call is not supported yet",
+                "pass the values it captures as ordinary arguments",
+            ));
+        }
+        let key = Key { function, types: types.clone(), args: shapes };
+        if let Some(id) = self.known.get(&key) {
+            return (*id, words);
+        }
+        let id = FnId(self.functions.len() as u32);
+        self.functions.push(None);
+        self.known.insert(key, id);
+        let name = self.unique(&definition.name);
+        if self.errors.is_empty() {
+            let holes: Vec<Atom> =
+                words.iter().map(|a| Atom::Const(Const::from_word(self.scalar_of(*a), 0))).collect();
+            let mut holes = holes.into_iter();
+            let args = args.iter().zip(&param_types).map(|(v, t)| self.rebuild(v, t, &mut holes)).collect();
+            self.queue.push_back(Job { id, function, types: Rc::new(types), args, name });
+        }
+        (id, words)
+    }
+
+    fn unique(&mut self, name: &str) -> String {
+        let count = self.names.entry(name.to_string()).or_insert(0);
+        *count += 1;
+        if *count == 1 { name.to_string() } else { format!("{name}_{count}") }
+    }
+
+    /// Lowers one specialisation.
+    fn function(&mut self, job: Job<'m>) {
+        let definition = &self.module.functions[job.function.0 as usize];
+        self.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
+
+        // Parameters: one variable for each machine word of the arguments.
+        let mut env = Env { locals: BTreeMap::new(), types: job.types.clone() };
+        let mut params = Vec::new();
+        for (local, arg) in definition.params.iter().zip(&job.args) {
+            let ty = definition.locals[local.0 as usize].ty.substitute(&job.types);
+            let mut words = Vec::new();
+            self.dissect(arg, &ty, &mut words);
+            let scalars: Vec<Scalar> = match layout::scalars(self.module, &ty) {
+                Some(scalars) => scalars,
+                None => words.iter().map(|a| self.caller_scalar(*a)).collect(),
+            };
+            let vars: Vec<Var> = scalars.iter().map(|s| self.builder.fresh(*s)).collect();
+            params.extend(&vars);
+            let mut atoms = vars.into_iter().map(Atom::Var);
+            env.locals.insert(*local, self.rebuild(arg, &ty, &mut atoms));
+        }
+
+        // Body.
+        self.builder.open = vec![Vec::new()];
+        let value = self.expr(&definition.body, &mut env);
+        let result = definition.result.substitute(&job.types);
+        let mut results = Vec::new();
+        if self.errors.is_empty() {
+            self.flatten(&value, &result, &mut results);
+        }
+        let stmts = self.builder.open.pop().expect("the body's own block");
+        let mark = match definition.attributes {
+            typed::Attributes { task: true, .. } => Mark::Task,
+            typed::Attributes { inline: true, .. } => Mark::Inline,
+            _ => Mark::Auto,
+        };
+        self.functions[job.id.0 as usize] = Some(Function {
+            name: job.name,
+            params,
+            results: layout::scalars(self.module, &result).unwrap_or_default(),
+            vars: std::mem::take(&mut self.builder.vars),
+            body: Block { stmts, results },
+            mark,
+            span: Some(definition.span),
+        });
+    }
+
+    /// Scalar of a queued argument's word.
+    fn caller_scalar(&self, atom: Atom) -> Scalar {
+        match atom {
+            Atom::Const(c) => c.scalar(),
+            Atom::Var(_) => unreachable!("queued arguments hold typed zeros"),
+        }
+    }
+
+    /// Name and scalars of a live parameter.
+    fn live_shape(&self, id: ParamId) -> Option<(String, Vec<Scalar>)> {
+        let param = &self.module.params[id.0 as usize];
+        Some((param.name.clone(), layout::scalars(self.module, &param.ty)?))
+    }
+
+    fn error(&mut self, diagnostic: Diagnostic) {
+        if !self.errors.iter().any(|e| e.code == diagnostic.code && e.primary.0 == diagnostic.primary.0) {
+            self.errors.push(diagnostic);
+        }
+    }
+
+    // Building core.
+
+    fn scalar_of(&self, atom: Atom) -> Scalar {
+        match atom {
+            Atom::Var(v) => self.builder.vars[v.0 as usize],
+            Atom::Const(c) => c.scalar(),
+        }
+    }
+
+    /// Appends an operation; its results are new variables.
+    fn emit(&mut self, op: Op, results: &[Scalar]) -> Vec<Atom> {
+        self.statements += 1;
+        if self.statements == STATEMENT_LIMIT {
+            let span = self.module.functions.first().map(|f| f.span);
+            if let Some(span) = span {
+                self.error(
+                    Diagnostic::error("E0506", span, "the program is too large once it is specialised")
+                        .label(format!("more than {STATEMENT_LIMIT} operations"))
+                        .help("function values and type arguments multiply code: pass plain values instead"),
+                );
+            }
+        }
+        let dst: Vec<Var> = results.iter().map(|s| self.builder.fresh(*s)).collect();
+        let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
+        self.builder.open.last_mut().expect("an open block").push(Stmt { dst, op });
+        atoms
+    }
+
+    /// A scalar operation, computed now if all operands are constants.
+    fn prim(&mut self, prim: Prim, scalar: Scalar, args: Vec<Atom>) -> Atom {
+        let constants: Option<Vec<Const>> = args
+            .iter()
+            .map(|a| match a {
+                Atom::Const(c) => Some(*c),
+                Atom::Var(_) => None,
+            })
+            .collect();
+        if let Some(constants) = constants {
+            return Atom::Const(scalar::eval(prim, scalar, &constants));
+        }
+        if let Some(known) = logic(prim, &args) {
+            return known;
+        }
+        let result = prim.result(scalar);
+        self.emit(Op::Prim(prim, scalar, args), &[result])[0]
+    }
+
+    /// Collects what `build` emits in a block of its own.
+    fn block<R>(&mut self, build: impl FnOnce(&mut Self) -> R) -> (Vec<Stmt>, R) {
+        self.builder.open.push(Vec::new());
+        let result = build(self);
+        (self.builder.open.pop().expect("the block just opened"), result)
+    }
+
+    fn too_large(&self) -> bool {
+        self.statements >= STATEMENT_LIMIT || !self.errors.is_empty()
+    }
+}
+
+impl Builder {
+    fn fresh(&mut self, scalar: Scalar) -> Var {
+        self.vars.push(scalar);
+        Var(self.vars.len() as u32 - 1)
+    }
+}
+
+impl<'m> Env<'m> {
+    fn ty(&self, ty: &Type) -> Type {
+        if self.types.is_empty() { ty.clone() } else { ty.substitute(&self.types) }
+    }
+
+    fn get(&self, id: LocalId) -> Value<'m> {
+        self.locals.get(&id).cloned().expect("the front end resolved every name")
+    }
+}
+
+/// `true && x`, `false || x` and their kin, which pattern tests are full of.
+fn logic(prim: Prim, args: &[Atom]) -> Option<Atom> {
+    let &[a, b] = args else { return None };
+    let (Atom::Const(Const::Bool(known)), other) = (match (a, b) {
+        (Atom::Const(_), _) => (a, b),
+        _ => (b, a),
+    }) else {
+        return None;
+    };
+    match (prim, known) {
+        (Prim::And, true) | (Prim::Or, false) => Some(other),
+        (Prim::And, false) | (Prim::Or, true) => Some(Atom::Const(Const::Bool(known))),
+        _ => None,
+    }
+}
+
+/// A part of the language that this version knows but cannot compile.
+fn unsupported(code: &'static str, span: Span, title: impl Into<String>, help: &str) -> Diagnostic {
+    Diagnostic::error(code, span, title).label("not supported yet").help(help)
+}

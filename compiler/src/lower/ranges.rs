@@ -1,0 +1,95 @@
+//! `fold`, `sum`, `any`, `all`: loops of core.
+
+use super::call::Application;
+use super::value::Value;
+use super::{Env, Lower, unsupported};
+use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Var};
+use crate::layout;
+use crate::typed::{Expr, RangeForm, RangeOp};
+
+impl<'m> Lower<'m> {
+    pub(super) fn range(
+        &mut self,
+        expr: &'m Expr,
+        op: RangeOp,
+        form: &'m RangeForm,
+        env: &mut Env<'m>,
+    ) -> Value<'m> {
+        let lo = self.expr(&form.lo, env).atom();
+        let hi = self.expr(&form.hi, env).atom();
+        let ty = env.ty(&expr.ty);
+        let init = form.init.as_ref().map(|init| self.expr(init, env));
+        let f = self.expr(&form.f, env);
+        let Some(scalars) = layout::scalars(self.module, &ty) else {
+            self.error(unsupported(
+                "E0901",
+                expr.span,
+                "a `fold` that carries a function value is not supported yet",
+                "carry the values that the function captures",
+            ));
+            return self.placeholder(&ty);
+        };
+
+        // First state: index, then the accumulator's words.
+        let mut first = vec![lo];
+        match (op, init) {
+            (RangeOp::Fold, Some(init)) => self.flatten(&init, &ty, &mut first),
+            (RangeOp::Sum, _) => first.extend(scalars.iter().map(|s| Atom::Const(Const::from_word(*s, 0)))),
+            (RangeOp::All, _) => first.push(Atom::Const(Const::Bool(true))),
+            _ => first.push(Atom::Const(Const::Bool(false))),
+        }
+        let index = self.builder.fresh(Scalar::I32);
+        let carried: Vec<Var> = scalars.iter().map(|s| self.builder.fresh(*s)).collect();
+        let carried_atoms: Vec<Atom> = carried.iter().map(|v| Atom::Var(*v)).collect();
+
+        // Condition.
+        let (stmts, more) = self.block(|l| {
+            let more = l.prim(Prim::Lt, Scalar::I32, vec![Atom::Var(index), hi]);
+            match op {
+                RangeOp::Fold | RangeOp::Sum => more,
+                RangeOp::All => l.prim(Prim::And, Scalar::Bool, vec![more, carried_atoms[0]]),
+                RangeOp::Any => {
+                    let open = l.prim(Prim::Not, Scalar::Bool, vec![carried_atoms[0]]);
+                    l.prim(Prim::And, Scalar::Bool, vec![more, open])
+                }
+            }
+        });
+        let cond = Block { stmts, results: vec![more] };
+
+        // Body: the next state.
+        let (stmts, results) = self.block(|l| {
+            let index_value = Value::Atom(Atom::Var(index));
+            let mut next = Vec::new();
+            if op == RangeOp::Fold {
+                let state = l.unflatten(&ty, &mut carried_atoms.iter().copied());
+                let at = Application { args: vec![state, index_value], result: &ty, span: expr.span };
+                let value = l.apply(&f, at);
+                l.flatten(&value, &ty, &mut next);
+            } else {
+                let at = Application { args: vec![index_value], result: &ty, span: expr.span };
+                let value = l.apply(&f, at);
+                l.flatten(&value, &ty, &mut next);
+            }
+            if op == RangeOp::Sum {
+                for (word, (so_far, scalar)) in next.iter_mut().zip(carried_atoms.iter().zip(&scalars)) {
+                    *word = l.prim(Prim::Add, *scalar, vec![*so_far, *word]);
+                }
+            }
+            let one = Atom::Const(Const::I32(1));
+            let mut state = vec![l.prim(Prim::Add, Scalar::I32, vec![Atom::Var(index), one])];
+            state.extend(next);
+            state
+        });
+        let kind = match op {
+            RangeOp::Fold => LoopKind::Fold,
+            RangeOp::Sum => LoopKind::Sum,
+            RangeOp::Any => LoopKind::Any,
+            RangeOp::All => LoopKind::All,
+        };
+        let state = std::iter::once(index).chain(carried).zip(first).collect();
+        let repeat = Loop { state, cond, body: Block { stmts, results }, kind };
+        let results: Vec<Scalar> = std::iter::once(Scalar::I32).chain(scalars).collect();
+        let last = self.emit(Op::Loop(repeat), &results);
+        self.unflatten(&ty, &mut last.into_iter().skip(1))
+    }
+}

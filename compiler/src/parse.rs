@@ -1,0 +1,403 @@
+//! Runs lexer and grammar, and builds the nodes that need more than the grammar knows: operator chains,
+//! bounded depth, and messages for what is almost right.
+
+mod chain;
+mod errors;
+
+use lalrpop_util::{ErrorRecovery, lalrpop_mod};
+
+use crate::ast::*;
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::lexer::{Lexed, Lexeme, lex};
+use crate::source::{SourceId, Span};
+use crate::typed::{Attributes, UnaryOp};
+
+lalrpop_mod!(
+    #[allow(clippy::all)]
+    #[rustfmt::skip]
+    grammar
+);
+
+/// Deepest expression tree. Later phases recurse on it.
+pub const MAX_DEPTH: u32 = 500;
+/// Deepest type as written.
+const MAX_TYPE_DEPTH: u32 = 64;
+
+/// What was parsed; not to be looked at when there are errors among the diagnostics.
+#[derive(Debug)]
+pub struct Parsed<T> {
+    pub tree: T,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Parses a whole text.
+pub fn file(source: SourceId, text: &str) -> Parsed<File> {
+    parse(source, text, |cx, lexemes| {
+        grammar::FileParser::new().parse(cx, lexemes.iter().map(|&l| Ok(l))).unwrap_or_else(|e| {
+            cx.syntax_error(e);
+            Vec::new()
+        })
+    })
+}
+
+/// Parses a text that is one expression.
+pub fn expression(source: SourceId, text: &str) -> Parsed<Expr> {
+    parse(source, text, |cx, lexemes| {
+        grammar::ExprParser::new().parse(cx, lexemes.iter().map(|&l| Ok(l))).unwrap_or_else(|e| {
+            cx.syntax_error(e);
+            cx.expr(ExprKind::Error, 0, 0)
+        })
+    })
+}
+
+fn parse<T>(source: SourceId, text: &str, run: impl FnOnce(&mut Context, &[Spanned]) -> T) -> Parsed<T> {
+    let Lexed { lexemes, diagnostics, unclosed } = lex(source, text);
+    // The text was cut off: what follows would only repeat that.
+    let cut = diagnostics.iter().any(|d| [codes::TOO_DEEP, codes::TOO_LONG].contains(&d.code));
+    let ends: Vec<usize> = lexemes.iter().map(|&(_, _, end)| end).collect();
+    let index = |d: &Diagnostic| ends.partition_point(|&end| end <= d.primary.0.start as usize);
+    let errors_at = diagnostics.iter().map(index).collect();
+    let mut cx = Context {
+        source,
+        text_end: text.len(),
+        ends,
+        unclosed,
+        diagnostics: Vec::new(),
+        too_deep: false,
+        errors_at,
+    };
+    let tree = run(&mut cx, &lexemes);
+    let mut all = diagnostics;
+    if !cut {
+        all.extend(cx.diagnostics);
+    }
+    all.sort_by_key(|d| d.primary.0.start);
+    Parsed { tree, diagnostics: all }
+}
+
+type Spanned<'s> = (usize, Lexeme<'s>, usize);
+
+/// What the grammar's actions share.
+pub struct Context {
+    source: SourceId,
+    text_end: usize,
+    /// Where each lexeme ends.
+    ends: Vec<usize>,
+    unclosed: Vec<(Span, char)>,
+    diagnostics: Vec<Diagnostic>,
+    too_deep: bool,
+    /// Indices of the lexemes where something was wrong.
+    errors_at: Vec<usize>,
+}
+
+/// A field of a constructor pattern.
+pub enum Field {
+    Pattern(FieldPattern),
+    Rest(Span),
+}
+
+impl Context {
+    pub fn span(&self, start: usize, end: usize) -> Span {
+        Span::new(self.source, start, end.max(start))
+    }
+
+    fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    pub fn recovered(&mut self, e: ErrorRecovery<usize, Lexeme, ()>, _start: usize, _end: usize) {
+        self.syntax_error(e.error);
+    }
+
+    pub fn name(&self, text: &str, start: usize, end: usize) -> Name {
+        Name { text: text.to_owned(), span: self.span(start, end) }
+    }
+
+    // Items
+
+    pub fn attributes(&mut self, names: Vec<Name>) -> Attributes {
+        let mut attributes = Attributes::default();
+        let last = names.last().map(|n| n.span);
+        for name in names {
+            let flag = match name.text.as_str() {
+                "task" => &mut attributes.task,
+                "inline" => &mut attributes.inline,
+                "bake" => &mut attributes.bake,
+                other => {
+                    let title = format!("there is no attribute `@{other}`");
+                    self.report(
+                        Diagnostic::error(codes::UNKNOWN_ATTRIBUTE, name.span, title)
+                            .help("the attributes are `@task`, `@inline` and `@bake`"),
+                    );
+                    continue;
+                }
+            };
+            if std::mem::replace(flag, true) {
+                let title = format!("`@{}` stands twice", name.text);
+                self.report(
+                    Diagnostic::error(codes::UNKNOWN_ATTRIBUTE, name.span, title).help("remove one of them"),
+                );
+            }
+        }
+        if let (true, true, Some(at)) = (attributes.task, attributes.inline, last) {
+            self.report(
+                Diagnostic::error(codes::UNKNOWN_ATTRIBUTE, at, "`@task` and `@inline` exclude each other")
+                    .help(
+                        "a task stays a token of its own, an inline function never is one: keep one of them",
+                    ),
+            );
+        }
+        attributes
+    }
+
+    /// The result type of a function, which must be stated.
+    pub fn result(&mut self, stated: Option<Type>, end: usize) -> Type {
+        stated.unwrap_or_else(|| {
+            let at = self.span(end.saturating_sub(1), end);
+            self.report(
+                Diagnostic::error(codes::UNSTATED_TYPE, at, "this function does not state its result type")
+                    .label("expected `-> Type` after this")
+                    .help("top-level functions state the types of their parameters and their result"),
+            );
+            Type::error(at)
+        })
+    }
+
+    pub fn untyped_param(&mut self, name: Name) -> (Name, Type) {
+        let title = format!("the parameter `{}` does not state its type", name.text);
+        self.report(
+            Diagnostic::error(codes::UNSTATED_TYPE, name.span, title)
+                .help(format!("write `{}: f32`, with the type that it has", name.text)),
+        );
+        let ty = Type::error(name.span);
+        (name, ty)
+    }
+
+    // Types
+
+    pub fn ty(&mut self, kind: TypeKind, start: usize, end: usize) -> Type {
+        let deepest = |types: &[Type]| types.iter().map(|t| t.depth).max().unwrap_or(0);
+        let below = match &kind {
+            TypeKind::Error => 0,
+            TypeKind::Named(_, items) | TypeKind::Tuple(items) => deepest(items),
+            TypeKind::Array(item, n) => item.depth.max(n.depth),
+            TypeKind::Fn(params, result) => deepest(params).max(result.depth),
+        };
+        let span = self.span(start, end);
+        if below < MAX_TYPE_DEPTH {
+            return Type { kind, span, depth: below + 1 };
+        }
+        if !std::mem::replace(&mut self.too_deep, true) {
+            let title = format!("this type is more than {MAX_TYPE_DEPTH} levels deep");
+            self.report(
+                Diagnostic::error(codes::TOO_DEEP, span, title).help("give parts of it names with `type`"),
+            );
+        }
+        Type::error(span)
+    }
+
+    pub fn fn_type(&mut self, prefixes: Vec<(usize, Vec<Type>)>, result: Type, end: usize) -> Type {
+        prefixes
+            .into_iter()
+            .rev()
+            .fold(result, |result, (at, params)| self.ty(TypeKind::Fn(params, Box::new(result)), at, end))
+    }
+
+    pub fn tuple_type(&mut self, mut items: Vec<Type>, last: Option<Type>, start: usize, end: usize) -> Type {
+        let span = self.span(start, end);
+        match last {
+            Some(only) if items.is_empty() => return Type { span, ..only },
+            last => items.extend(last),
+        }
+        if items.len() < 2 {
+            self.short_tuple(span);
+        }
+        self.ty(TypeKind::Tuple(items), start, end)
+    }
+
+    fn short_tuple(&mut self, span: Span) {
+        let title = "a tuple has at least two components";
+        self.report(
+            Diagnostic::error(codes::BAD_TUPLE, span, title).help("there is neither `()` nor `(a,)`"),
+        );
+    }
+
+    // Expressions
+
+    pub fn expr(&mut self, kind: ExprKind, start: usize, end: usize) -> Expr {
+        let mut expr = Expr { kind, span: self.span(start, end), depth: 0 };
+        let mut below = 0;
+        expr.for_each_part(&mut |part| below = below.max(part.depth));
+        // A chain of `else if` nests to the right later.
+        expr.depth = match &expr.kind {
+            ExprKind::If(branches, _) => below + branches.len() as u32,
+            _ => below + 1,
+        };
+        if expr.depth <= MAX_DEPTH {
+            return expr;
+        }
+        if !std::mem::replace(&mut self.too_deep, true) {
+            let title = format!("this expression is more than {MAX_DEPTH} operations deep");
+            self.report(
+                Diagnostic::error(codes::TOO_DEEP, expr.span, title)
+                    .help("give parts of it names with `let`, or use `sum` or `fold`"),
+            );
+        }
+        Expr { kind: ExprKind::Error, depth: 1, span: expr.span }
+    }
+
+    pub fn postfix(&mut self, e: Expr, end: usize, kind: impl FnOnce(Box<Expr>) -> ExprKind) -> Expr {
+        let start = e.span.start as usize;
+        self.expr(kind(Box::new(e)), start, end)
+    }
+
+    pub fn unary(&mut self, ops: Vec<(UnaryOp, usize)>, e: Expr) -> Expr {
+        ops.into_iter().rev().fold(e, |e, (op, start)| {
+            let end = e.span.end as usize;
+            self.expr(ExprKind::Unary(op, Box::new(e)), start, end)
+        })
+    }
+
+    pub fn lambda(&mut self, params: Vec<LambdaParam>, body: Expr, start: usize, end: usize) -> Expr {
+        if params.is_empty() {
+            let at = self.span(start, start + 2);
+            self.report(
+                Diagnostic::error(codes::SYNTAX, at, "a lambda has at least one parameter")
+                    .help("use the value itself, or `|_| ..` to ignore an argument"),
+            );
+        }
+        self.expr(ExprKind::Lambda(params, Box::new(body)), start, end)
+    }
+
+    pub fn tuple(&mut self, mut items: Vec<Expr>, last: Option<Expr>, start: usize, end: usize) -> Expr {
+        let span = self.span(start, end);
+        match last {
+            Some(only) if items.is_empty() => return Expr { span, ..only },
+            last => items.extend(last),
+        }
+        if items.len() < 2 {
+            self.short_tuple(span);
+        }
+        self.expr(ExprKind::Tuple(items), start, end)
+    }
+
+    pub fn array(&mut self, items: Vec<Expr>, start: usize, end: usize) -> Expr {
+        if items.is_empty() {
+            let span = self.span(start, end);
+            self.report(Diagnostic::error(codes::BAD_TUPLE, span, "an array has at least one element"));
+        }
+        self.expr(ExprKind::Array(items), start, end)
+    }
+
+    pub fn conditional(
+        &mut self,
+        condition: Expr,
+        value: Expr,
+        rest: Vec<(Expr, Expr)>,
+        last: Option<Expr>,
+        start: usize,
+        end: usize,
+    ) -> Expr {
+        let last = last.unwrap_or_else(|| {
+            let at = self.span(start, start + 2);
+            self.report(
+                Diagnostic::error(codes::IF_WITHOUT_ELSE, at, "this `if` has no `else`")
+                    .label("has no value when the condition is false")
+                    .help("`if` is an expression: add `else { .. }`"),
+            );
+            self.expr(ExprKind::Error, end, end)
+        });
+        let branches = std::iter::once((condition, value)).chain(rest).collect();
+        self.expr(ExprKind::If(branches, Box::new(last)), start, end)
+    }
+
+    pub fn block(&mut self, lets: Vec<Option<Let>>, value: Option<Expr>, start: usize, end: usize) -> Expr {
+        let lets: Vec<Let> = lets.into_iter().flatten().collect();
+        let value = value.unwrap_or_else(|| {
+            let at = self.span(end.saturating_sub(1), end);
+            // A value with a semicolon after it was reported where it stands.
+            if !self
+                .diagnostics
+                .iter()
+                .any(|d| d.code == codes::UNUSED_VALUE && d.primary.0.end as usize >= start)
+            {
+                self.report(
+                    Diagnostic::error(codes::BLOCK_VALUE, at, "this block does not end with a value")
+                        .label("expected an expression before this")
+                        .help("a block is `{ let a = ..; value }`, without `;` after the value"),
+                );
+            }
+            self.expr(ExprKind::Error, end, end)
+        });
+        if lets.is_empty() {
+            return value;
+        }
+        self.expr(ExprKind::Block(lets, Box::new(value)), start, end)
+    }
+
+    /// `value;` in a block.
+    pub fn unused(&mut self, value: &Expr, end: usize) {
+        if matches!(value.kind, ExprKind::Error) {
+            return;
+        }
+        let span = self.span(value.span.start as usize, end);
+        self.report(
+            Diagnostic::error(codes::UNUSED_VALUE, span, "nothing uses this value")
+                .help("name it with `let`, or remove the `;` if it is the value of the block"),
+        );
+    }
+
+    // Patterns
+
+    pub fn pattern(&self, kind: PatternKind, start: usize, end: usize) -> Pattern {
+        Pattern { kind, span: self.span(start, end) }
+    }
+
+    pub fn or_pattern(&self, first: Pattern, rest: Vec<Pattern>, start: usize, end: usize) -> Pattern {
+        let all = std::iter::once(first).chain(rest).collect();
+        self.pattern(PatternKind::Or(all), start, end)
+    }
+
+    pub fn tuple_pattern(
+        &mut self,
+        mut items: Vec<Pattern>,
+        last: Option<Pattern>,
+        start: usize,
+        end: usize,
+    ) -> Pattern {
+        match last {
+            Some(only) if items.is_empty() => return only,
+            last => items.extend(last),
+        }
+        if items.len() < 2 {
+            self.short_tuple(self.span(start, end));
+        }
+        self.pattern(PatternKind::Tuple(items), start, end)
+    }
+
+    pub fn constructor(&mut self, name: Name, fields: Vec<Field>, start: usize, end: usize) -> Pattern {
+        let count = fields.len();
+        let mut patterns = Vec::new();
+        let mut rest = Rest::Absent;
+        for (i, field) in fields.into_iter().enumerate() {
+            match field {
+                Field::Pattern(pattern) => patterns.push(pattern),
+                Field::Rest(span) => {
+                    rest = Rest::Present;
+                    if i + 1 < count {
+                        let title = "`..` stands last in a pattern";
+                        self.report(
+                            Diagnostic::error(codes::MISPLACED_REST, span, title)
+                                .help("move it behind the fields that are named"),
+                        );
+                    }
+                }
+            }
+        }
+        self.pattern(PatternKind::Constructor(name, patterns, rest), start, end)
+    }
+}
+
+#[cfg(test)]
+mod tests;

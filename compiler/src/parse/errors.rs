@@ -1,0 +1,230 @@
+//! What the parser says when a lexeme does not fit.
+
+use lalrpop_util::ParseError;
+
+use super::Context;
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::lexer::Lexeme;
+
+/// Syntax errors fewer lexemes apart than this are one error.
+const SEPARATION: usize = 3;
+
+const KEYWORDS: &[&str] = &[
+    "use", "const", "param", "raster", "fn", "struct", "enum", "type", "let", "if", "else", "match", "with",
+    "in", "true", "false",
+];
+
+/// What a set of expected lexemes amounts to: if all of `these` are expected, say `name` for them.
+const GROUPS: &[(&[&str], &str)] = &[
+    (&["const", "raster", "struct", "@"], "an item"),
+    (&["float", "(", "match", "["], "an expression"),
+    (&["float", "(", "_"], "a pattern"),
+    (&["name", "(", "[", "fn"], "a type"),
+    (&["+", "*", "=="], "an operator"),
+];
+
+/// Members of a group that the group's name covers.
+const COVERED: &[(&str, &[&str])] = &[
+    ("an item", &["use", "const", "param", "raster", "struct", "enum", "type", "fn", "@"]),
+    (
+        "an expression",
+        &[
+            "name", "integer", "unsigned", "float", "_", "(", "[", "{", "if", "match", "true", "false", "-",
+            "!", "|", "||", "let",
+        ],
+    ),
+    ("a pattern", &["name", "integer", "unsigned", "float", "_", "(", "true", "false", "-"]),
+    ("a type", &["name", "(", "[", "fn"]),
+    (
+        "an operator",
+        &[
+            "|>", "||", "&&", "==", "!=", "<", "<=", ">", ">=", ">>", "|", "^", "&", "<<", "+", "-", "*",
+            "/", "%", "with", ".", "[", "(",
+        ],
+    ),
+];
+
+impl Context {
+    pub(super) fn syntax_error(&mut self, error: ParseError<usize, Lexeme, ()>) {
+        let diagnostic = match error {
+            ParseError::UnrecognizedToken { token: (start, lexeme, end), expected } => {
+                self.unexpected(start, end, Some(lexeme), &expected)
+            }
+            ParseError::UnrecognizedEof { expected, .. } => {
+                let mut end = self.ends.last().copied().unwrap_or(self.text_end);
+                end = end.min(self.text_end);
+                match self.unclosed.last() {
+                    Some(&(open, close)) => {
+                        let title = format!("expected `{close}`, found the end of the text");
+                        Diagnostic::error(codes::SYNTAX, self.span(end.saturating_sub(1), end), title)
+                            .label("the text ends here")
+                            .also(open, "this is never closed")
+                    }
+                    None => self.unexpected(end.saturating_sub(1), end, None, &expected),
+                }
+            }
+            ParseError::ExtraToken { token: (start, lexeme, end) } => {
+                self.unexpected(start, end, Some(lexeme), &[])
+            }
+            ParseError::InvalidToken { location } => self.unexpected(location, location, None, &[]),
+            ParseError::User { error: () } => return,
+        };
+        // Recovery can stumble over what directly follows.
+        let place = self.ends.partition_point(|&end| end <= diagnostic.primary.0.start as usize);
+        let near = self.errors_at.iter().any(|&other| place.abs_diff(other) < SEPARATION);
+        self.errors_at.push(place);
+        if !near {
+            self.report(diagnostic);
+        }
+    }
+
+    fn unexpected(&self, start: usize, end: usize, found: Option<Lexeme>, expected: &[String]) -> Diagnostic {
+        let found_text = found.map_or("the end of the text".to_owned(), |lexeme| describe(&lexeme));
+        let names = summarise(expected);
+        let before = self.end_before(start);
+        if names == ["`;`"]
+            || (names.contains(&"`;`".to_owned()) && names.len() <= 3 && starts_statement(found))
+        {
+            let at = self.span(before.saturating_sub(1), before);
+            return Diagnostic::error(codes::SYNTAX, at, format!("expected `;`, found {found_text}"))
+                .label("`;` is missing after this")
+                .help("items and `let` end with `;`");
+        }
+        let title = match names.as_slice() {
+            [] => format!("unexpected {found_text}"),
+            names => format!("expected {}, found {found_text}", alternatives(names)),
+        };
+        let diagnostic =
+            Diagnostic::error(codes::SYNTAX, self.span(start, end), title).label("not expected here");
+        match help(found, expected) {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic,
+        }
+    }
+
+    /// End of the last lexeme that ends at or before a place.
+    fn end_before(&self, place: usize) -> usize {
+        let n = self.ends.partition_point(|&end| end <= place);
+        n.checked_sub(1).map_or(place, |i| self.ends[i])
+    }
+}
+
+fn starts_statement(found: Option<Lexeme>) -> bool {
+    use Lexeme::*;
+    matches!(
+        found,
+        Some(Let | Use | Const | Param | Raster | Fn | Struct | Enum | Type | At | RBrace | Ident(_)) | None
+    )
+}
+
+fn help(found: Option<Lexeme>, expected: &[String]) -> Option<String> {
+    let expects = |what: &str| expected.iter().any(|e| e.trim_matches('"') == what);
+    match found? {
+        Lexeme::Assign if expects("==") => Some("to compare, write `==`; nothing can be assigned".into()),
+        Lexeme::DotDot => Some("a range stands only as the first argument of fold, sum, any and all".into()),
+        Lexeme::Amp | Lexeme::Bar if !expects("+") => None,
+        found if keyword(&found).is_some() && expects("name") => {
+            Some(format!("`{}` is a keyword and cannot be a name", keyword(&found)?))
+        }
+        _ => None,
+    }
+}
+
+/// Short names for what was expected, groups first.
+fn summarise(expected: &[String]) -> Vec<String> {
+    let mut left: Vec<&str> = expected.iter().map(|e| e.trim_matches('"')).collect();
+    let mut names = Vec::new();
+    for (needed, group) in GROUPS {
+        if needed.iter().all(|n| left.contains(n)) {
+            names.push((*group).to_owned());
+            let covered = COVERED.iter().find(|(name, _)| name == group).map_or(&[][..], |(_, all)| all);
+            left.retain(|l| !covered.contains(l));
+        }
+    }
+    names.extend(left.into_iter().map(expected_name));
+    // After a whole expression nearly anything goes on; what ends it is what the person forgot.
+    if names.len() > 1 && names[0] == "an operator" {
+        let operator = names.remove(0);
+        if names.len() > 1 {
+            names.push(operator);
+        }
+    }
+    names
+}
+
+fn expected_name(lexeme: &str) -> String {
+    match lexeme {
+        "name" => "a name".to_owned(),
+        "integer" | "unsigned" => "an integer".to_owned(),
+        "float" => "a number".to_owned(),
+        "text" => "a path in quotes".to_owned(),
+        symbol => format!("`{symbol}`"),
+    }
+}
+
+fn alternatives(names: &[String]) -> String {
+    const SHOWN: usize = 4;
+    match names {
+        [one] => one.clone(),
+        [head @ .., last] if names.len() <= SHOWN => format!("{} or {last}", head.join(", ")),
+        many => format!("one of {}, ..", many[..SHOWN].join(", ")),
+    }
+}
+
+fn keyword(lexeme: &Lexeme) -> Option<&'static str> {
+    let name = format!("{lexeme:?}").to_lowercase();
+    KEYWORDS.iter().find(|k| **k == name).copied()
+}
+
+fn describe(lexeme: &Lexeme) -> String {
+    use Lexeme::*;
+    if let Some(word) = keyword(lexeme) {
+        return format!("the keyword `{word}`");
+    }
+    let symbol = match lexeme {
+        Ident(name) => return format!("`{name}`"),
+        Number(text) => return format!("`{text}`"),
+        Int(value) => return format!("`{value}`"),
+        Uint(value) => return format!("`{value}u`"),
+        Float(value) => return format!("`{value}`"),
+        Text(text) => return text.to_string(),
+        Hole => "_",
+        LParen => "(",
+        RParen => ")",
+        LBracket => "[",
+        RBracket => "]",
+        LBrace => "{",
+        RBrace => "}",
+        Comma => ",",
+        Semi => ";",
+        Colon => ":",
+        Dot => ".",
+        DotDot => "..",
+        At => "@",
+        Arrow => "->",
+        FatArrow => "=>",
+        Assign => "=",
+        Pipe => "|>",
+        OrOr => "||",
+        AndAnd => "&&",
+        EqEq => "==",
+        NotEq => "!=",
+        Lt => "<",
+        LtEq => "<=",
+        Gt | GtJoint => ">",
+        GtEq => ">=",
+        Bar => "|",
+        Caret => "^",
+        Amp => "&",
+        Shl => "<<",
+        Plus => "+",
+        Minus => "-",
+        Star => "*",
+        Slash => "/",
+        Percent => "%",
+        Bang => "!",
+        _ => return "this".to_owned(),
+    };
+    format!("`{symbol}`")
+}

@@ -1,0 +1,26 @@
+//! From trees to declarations: modules are loaded, items get ids, names of types get meanings. Names in
+//! expressions are looked up later, by inference, in the [`scope::Scopes`] made here.
+
+pub mod cycles;
+pub mod declare;
+pub mod load;
+pub mod scope;
+pub mod size;
+pub mod types;
+
+use std::cmp::Reverse;
+
+/// The name among `known` that was probably meant.
+pub fn similar<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = 1 + name.len() / 4;
+    known
+        .filter(|candidate| *candidate != name && !candidate.starts_with("__"))
+        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= limit && *distance < candidate.len())
+        .min_by_key(|(distance, candidate)| (*distance, Reverse(common_prefix(name, candidate)), *candidate))
+        .map(|(_, candidate)| candidate)
+}
+
+fn common_prefix(a: &str, b: &str) -> usize {
+    a.bytes().zip(b.bytes()).take_while(|(x, y)| x == y).count()
+}

@@ -1,0 +1,146 @@
+//! What a name means at the top level of each file: its own items, then those of the modules it uses (the
+//! last `use` first), then the prelude's. Types and values live apart.
+
+use std::collections::HashMap;
+
+use super::load::{File, PRELUDE};
+use crate::builtins::{Builtin, Scope as Visibility};
+use crate::source::Span;
+use crate::typed::{ConstId, EnumId, FunctionId, Module, ParamId, RasterId, StructId};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Value {
+    Function(FunctionId),
+    Const(ConstId),
+    Param(ParamId),
+    Raster(RasterId),
+    Struct(StructId),
+    Variant(EnumId, u32),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TypeName {
+    Struct(StructId),
+    Enum(EnumId),
+    /// Index in [`super::types::Names`]' aliases.
+    Alias(usize),
+}
+
+#[derive(Default)]
+pub struct Scope {
+    values: HashMap<String, (Value, Span)>,
+    types: HashMap<String, (TypeName, Span)>,
+    uses: Vec<usize>,
+    library: bool,
+    /// The terrain built-ins can be named.
+    terrain: bool,
+}
+
+impl Scope {
+    /// Adds a value; the place of an earlier one of that name if there is one.
+    pub fn add_value(&mut self, name: &str, value: Value, span: Span) -> Option<Span> {
+        insert(&mut self.values, name, value, span)
+    }
+
+    pub fn add_type(&mut self, name: &str, ty: TypeName, span: Span) -> Option<Span> {
+        insert(&mut self.types, name, ty, span)
+    }
+}
+
+fn insert<T>(map: &mut HashMap<String, (T, Span)>, name: &str, item: T, span: Span) -> Option<Span> {
+    if let Some((_, earlier)) = map.get(name) {
+        return Some(*earlier);
+    }
+    map.insert(name.to_owned(), (item, span));
+    None
+}
+
+/// The scopes of all files, by index.
+#[derive(Default)]
+pub struct Scopes(pub Vec<Scope>);
+
+impl Scopes {
+    pub fn new(files: &[File]) -> Scopes {
+        let scope = |file: &File| Scope {
+            uses: file.uses.clone(),
+            library: file.library(),
+            terrain: file.library() || file.uses.iter().any(|&u| files[u].module == "terrain"),
+            ..Scope::default()
+        };
+        Scopes(files.iter().map(scope).collect())
+    }
+
+    /// One scope with every name of a module, the user's before the library's: for arguments of a program.
+    pub fn of_module(module: &Module) -> Scopes {
+        let mut scope = Scope { terrain: true, ..Scope::default() };
+        for library in [false, true] {
+            for (i, f) in module.functions.iter().enumerate().filter(|(_, f)| f.library == library) {
+                scope.add_value(&f.name, Value::Function(FunctionId(i as u32)), f.span);
+            }
+        }
+        for (i, c) in module.consts.iter().enumerate() {
+            scope.add_value(&c.name, Value::Const(ConstId(i as u32)), c.span);
+        }
+        for (i, r) in module.rasters.iter().enumerate() {
+            scope.add_value(&r.name, Value::Raster(RasterId(i as u32)), r.span);
+        }
+        for (i, s) in module.structs.iter().enumerate() {
+            let id = StructId(i as u32);
+            scope.add_value(&s.name, Value::Struct(id), s.span);
+            scope.add_type(&s.name, TypeName::Struct(id), s.span);
+        }
+        for (i, e) in module.enums.iter().enumerate() {
+            let id = EnumId(i as u32);
+            scope.add_type(&e.name, TypeName::Enum(id), e.span);
+            for (v, variant) in e.variants.iter().enumerate() {
+                scope.add_value(&variant.name, Value::Variant(id, v as u32), e.span);
+            }
+        }
+        Scopes(vec![scope])
+    }
+
+    pub fn value(&self, file: usize, name: &str) -> Option<Value> {
+        self.visible(file, name).find_map(|s| s.values.get(name)).map(|(value, _)| *value)
+    }
+
+    pub fn type_name(&self, file: usize, name: &str) -> Option<TypeName> {
+        self.visible(file, name).find_map(|s| s.types.get(name)).map(|(ty, _)| *ty)
+    }
+
+    /// Scopes in the order in which they are asked. Library names with `_` in front stay in their module.
+    fn visible<'a>(&'a self, file: usize, name: &str) -> impl Iterator<Item = &'a Scope> {
+        let private = name.starts_with('_');
+        self.reachable(file).filter(move |(own, _)| *own || !private).map(|(_, scope)| scope)
+    }
+
+    fn reachable(&self, file: usize) -> impl Iterator<Item = (bool, &Scope)> {
+        let own = &self.0[file];
+        let used = own.uses.iter().rev().chain(std::iter::once(&PRELUDE)).filter_map(|&u| self.0.get(u));
+        std::iter::once((true, own)).chain(used.map(|scope| (false, scope)))
+    }
+
+    /// A built-in that the file can name.
+    pub fn builtin(&self, file: usize, name: &str) -> Option<Builtin> {
+        let scope = &self.0[file];
+        let builtin = Builtin::ALL.iter().copied().find(|b| b.name() == name)?;
+        let visible = match builtin.scope() {
+            Visibility::Everywhere => true,
+            Visibility::Terrain => scope.terrain,
+            Visibility::Library => scope.library,
+        };
+        visible.then_some(builtin)
+    }
+
+    /// Names of values that a file can use, for suggestions.
+    pub fn value_names(&self, file: usize) -> impl Iterator<Item = &str> {
+        let terrain = self.0[file].terrain;
+        let builtins = Builtin::ALL.iter().filter(move |b| terrain || b.scope() == Visibility::Everywhere);
+        self.reachable(file)
+            .flat_map(|(_, s)| s.values.keys().map(String::as_str))
+            .chain(builtins.map(|b| b.name()))
+    }
+
+    pub fn type_names(&self, file: usize) -> impl Iterator<Item = &str> {
+        self.reachable(file).flat_map(|(_, s)| s.types.keys().map(String::as_str))
+    }
+}

@@ -1,0 +1,375 @@
+//! Command-line arguments (LANGUAGE.md, section 10).
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Ghyll: a small functional shader language whose programs run as token streams on the GPU.
+///
+/// Values go to standard output, everything else to standard error. Exit status: 0 success, 1 the program or an input file
+/// is wrong, 2 wrong usage, 3 the run failed (did not terminate, out of memory, device lost).
+#[derive(Parser)]
+#[command(name = "ghyll", version, arg_required_else_help = true, max_term_width = 110)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Evaluate a value entry (`fn main`) and print its value.
+    #[command(after_help = "Example:\n  ghyll run lang-examples/fib.ghyll -- 25")]
+    Run(Run),
+    /// Render an image entry (`fn pixel`); without a file the built-in example on the built-in elevation data.
+    #[command(
+        after_help = "Examples:\n  ghyll render\n  ghyll render --view topdown --size 800x800 -o fuji.png\n  \
+                            ghyll render my.ghyll --dem alps.tif --sun 315,30 -o alps.exr"
+    )]
+    Render(Box<Render>),
+    /// Look for mistakes only.
+    Check(Check),
+    /// Show what the compiler made.
+    #[command(after_help = "Example:\n  ghyll build lang-examples/fib.ghyll --emit table,wgsl")]
+    Build(Build),
+    /// Print the stream s0, s1, .. round by round.
+    #[command(after_help = "Example:\n  ghyll trace lang-examples/paper.ghyll")]
+    Trace(Trace),
+    /// Show adapters and limits, or what an elevation file holds.
+    Info(Info),
+    /// Run one of the project's benchmarks: overhead, calls.
+    Bench(Bench),
+}
+
+/// Which of the three machines evaluates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum On {
+    /// The best GPU, else the CPU; says which.
+    Auto,
+    /// Any wgpu adapter, software ones included.
+    Gpu,
+    /// The CPU twin of the rewriter.
+    Cpu,
+    /// The direct evaluator in double precision.
+    Oracle,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Rewriter {
+    Auto,
+    Block,
+    Lane,
+}
+
+/// The program and what is fixed in it.
+#[derive(Args)]
+pub struct Program {
+    /// Entry function instead of `main` or `pixel`.
+    #[arg(long, value_name = "NAME")]
+    pub entry: Option<String>,
+    /// Value of a parameter, such as `detail=true`.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Keep a parameter changeable without compiling again.
+    #[arg(long = "live", value_name = "NAME")]
+    pub live: Vec<String>,
+    /// Diagnostics as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where and how programs are evaluated.
+#[derive(Args)]
+pub struct Machine {
+    /// Machine to evaluate on.
+    #[arg(long, value_enum, default_value_t = On::Auto)]
+    pub on: On,
+    /// Pick the GPU adapter whose name contains this.
+    #[arg(long, value_name = "SUBSTRING")]
+    pub adapter: Option<String>,
+    /// Report times, rounds, rewrites and memory on standard error.
+    #[arg(long, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text",
+          value_parser = ["text", "json"])]
+    pub stats: Option<String>,
+    /// How streams are rewritten: blocks in rounds, lanes depth first, or the better of both.
+    #[arg(long, value_enum, default_value_t = Rewriter::Auto)]
+    pub rewriter: Rewriter,
+    /// Rewrites a lane makes before it publishes its window; `--rewriter block --depth 1 --block 512` is the paper's
+    /// algorithm.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    pub depth: Option<u32>,
+    /// Tokens in a block.
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(32..=4096))]
+    pub block: u32,
+    /// Invocations in a workgroup; threads on the CPU.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Give up after this many rewrites.
+    #[arg(long, value_name = "N")]
+    pub max_rewrites: Option<u64>,
+    /// Most memory for the stream, such as 512M or 2G.
+    #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = size)]
+    pub max_memory: u64,
+    /// Give up after this many seconds.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = seconds)]
+    pub timeout: Duration,
+    /// Let the driver check bounds and loops again, which the compiler has taken care of already.
+    #[arg(long)]
+    pub checked: bool,
+}
+
+#[derive(Args)]
+pub struct Run {
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub program: Program,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[command(flatten)]
+    pub terrain: Terrain,
+    /// Arguments of the entry, as Ghyll expressions: `-- 25`, `-- 'vec2(1, 2)' true`.
+    #[arg(last = true, value_name = "ARGS")]
+    pub args: Vec<String>,
+}
+
+/// Elevation data.
+#[derive(Args)]
+pub struct Terrain {
+    /// Elevation data: GeoTIFF, .hgt, 16-bit PNG, .npy or raw f32; the built-in Mt Fuji if absent.
+    #[arg(long, value_name = "FILE")]
+    pub dem: Option<PathBuf>,
+    /// Distance of samples in metres, east-west and north-south.
+    #[arg(long, value_name = "DX[,DY]", value_parser = spacing)]
+    pub spacing: Option<[f64; 2]>,
+    /// What black and white mean in metres, for an image without units.
+    #[arg(long, value_name = "LO,HI", value_parser = pair, allow_hyphen_values = true)]
+    pub heights: Option<[f64; 2]>,
+    /// How a PNG holds heights.
+    #[arg(long, value_name = "ENCODING", value_parser = ["grey", "terrarium", "terrain-rgb"])]
+    pub encoding: Option<String>,
+    /// What missing samples are: holes, or filled from their neighbours.
+    #[arg(long, value_name = "KIND", value_parser = ["hole", "fill"], default_value = "hole")]
+    pub voids: String,
+    /// Factor on all heights.
+    #[arg(long, value_name = "K", default_value_t = 1.0)]
+    pub exaggerate: f64,
+}
+
+#[derive(Args)]
+pub struct Render {
+    pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub program: Program,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[command(flatten)]
+    pub terrain: Terrain,
+    /// Picture to write: .png, .jpg, .exr or .npy; float results go to .exr and .npy unscaled.
+    #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
+    pub output: PathBuf,
+    /// Size in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = dimensions)]
+    pub size: [u32; 2],
+    /// Named view that frames any field.
+    #[arg(long, value_name = "NAME", default_value = "overview",
+          value_parser = ["overview", "topdown", "north", "south", "east", "west"])]
+    pub view: String,
+    /// Camera position in world metres.
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "look_at", allow_hyphen_values = true)]
+    pub eye: Option<[f64; 3]>,
+    /// Point in the middle of the picture.
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "eye", allow_hyphen_values = true)]
+    pub look_at: Option<[f64; 3]>,
+    /// Direction that is up in the picture.
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "eye", allow_hyphen_values = true)]
+    pub up: Option<[f64; 3]>,
+    /// Vertical field of view in degrees.
+    #[arg(long, value_name = "DEG", value_parser = angle)]
+    pub fov: Option<f64>,
+    /// Parallel rays.
+    #[arg(long)]
+    pub ortho: bool,
+    /// Direction of the sun in degrees: azimuth clockwise from north, elevation above the horizon.
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = pair, allow_hyphen_values = true)]
+    pub sun: Option<[f64; 2]>,
+}
+
+#[derive(Args)]
+pub struct Check {
+    pub file: PathBuf,
+    /// Diagnostics as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct Build {
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub program: Program,
+    /// What to show, in this order: core, table, stream, wgsl.
+    #[arg(long, value_name = "FORMS", value_delimiter = ',', default_value = "table",
+          value_parser = ["core", "table", "stream", "wgsl"])]
+    pub emit: Vec<String>,
+    /// Arguments of the entry, for `stream`.
+    #[arg(last = true, value_name = "ARGS")]
+    pub args: Vec<String>,
+}
+
+#[derive(Args)]
+pub struct Trace {
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub program: Program,
+    /// Print at most this many streams.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    pub rounds: usize,
+    #[arg(last = true, value_name = "ARGS")]
+    pub args: Vec<String>,
+}
+
+#[derive(Args)]
+pub struct Info {
+    /// Elevation file; without one the adapters are listed.
+    pub dem: Option<PathBuf>,
+    #[command(flatten)]
+    pub terrain: InfoTerrain,
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct InfoTerrain {
+    /// Distance of samples in metres, east-west and north-south.
+    #[arg(long, value_name = "DX[,DY]", value_parser = spacing)]
+    pub spacing: Option<[f64; 2]>,
+    /// What black and white mean in metres, for an image without units.
+    #[arg(long, value_name = "LO,HI", value_parser = pair, allow_hyphen_values = true)]
+    pub heights: Option<[f64; 2]>,
+}
+
+#[derive(Args)]
+pub struct Bench {
+    /// overhead: a picture by a hand-written kernel and by Ghyll; calls: rewrites per second. All if absent.
+    #[arg(value_parser = ["overhead", "calls"])]
+    pub name: Option<String>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Measured repetitions; medians are reported.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat: u32,
+    /// Pick the GPU adapter whose name contains this.
+    #[arg(long, value_name = "SUBSTRING")]
+    pub adapter: Option<String>,
+}
+
+/// Makes `--stats json` and bare `--stats` both unmistakable for the parser.
+pub fn prepared(raw: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut prepared = Vec::new();
+    let mut raw = raw.peekable();
+    while let Some(argument) = raw.next() {
+        if argument == "--" {
+            prepared.push(argument);
+            prepared.extend(raw);
+            break;
+        }
+        if argument == "--stats" && raw.peek().is_some_and(|next| next == "json" || next == "text") {
+            let format = raw.next().unwrap_or_default();
+            let mut joined = OsString::from("--stats=");
+            joined.push(format);
+            prepared.push(joined);
+        } else {
+            prepared.push(argument);
+        }
+    }
+    prepared
+}
+
+fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
+        .collect::<Option<_>>()
+        .ok_or_else(|| format!("expected {form}, finite numbers"))?;
+    parts.try_into().map_err(|_| format!("expected {form}"))
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers(text, "two numbers with a comma between")
+}
+
+fn triple(text: &str) -> Result<[f64; 3], String> {
+    numbers(text, "three numbers with commas between")
+}
+
+fn spacing(text: &str) -> Result<[f64; 2], String> {
+    let spacing = match numbers::<1>(text, "one or two numbers") {
+        Ok([d]) => [d, d],
+        Err(_) => numbers::<2>(text, "one or two numbers")?,
+    };
+    if spacing.iter().any(|d| *d <= 0.0) { Err("spacing must be positive".into()) } else { Ok(spacing) }
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let [degrees] = numbers::<1>(text, "an angle in degrees")?;
+    if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err("must lie between 0 and 180".into()) }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let [seconds] = numbers::<1>(text, "seconds")?;
+    Duration::try_from_secs_f64(seconds).map_err(|_| "expected seconds, 0 or more".into())
+}
+
+fn size(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let factor = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1,
+        "k" | "kb" | "kib" => 1u64 << 10,
+        "m" | "mb" | "mib" => 1 << 20,
+        "g" | "gb" | "gib" => 1 << 30,
+        unit => return Err(format!("unknown unit `{unit}`: use K, M or G")),
+    };
+    let number: f64 = digits.parse().map_err(|_| "expected a size such as 512M".to_string())?;
+    if number > 0.0 { Ok((number * factor as f64) as u64) } else { Err("must be positive".into()) }
+}
+
+fn dimensions(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text.split_once(['x', 'X']).ok_or("expected WIDTHxHEIGHT, such as 1024x768")?;
+    let side = |text: &str| match text.trim().parse::<u32>() {
+        Ok(n @ 1..=16384) => Ok(n),
+        _ => Err("each side must be a whole number from 1 to 16384".to_string()),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn prepare(words: &[&str]) -> Vec<String> {
+        prepared(words.iter().map(OsString::from)).into_iter().map(|s| s.into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn stats_takes_json_or_nothing() {
+        assert_eq!(prepare(&["g", "--stats", "json", "f"]), ["g", "--stats=json", "f"]);
+        assert_eq!(prepare(&["g", "--stats", "f"]), ["g", "--stats", "f"]);
+        assert_eq!(prepare(&["g", "--", "--stats", "json"]), ["g", "--", "--stats", "json"]);
+    }
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!(size("512M"), Ok(512 << 20));
+        assert_eq!(size("2g"), Ok(2 << 30));
+        assert!(size("2X").is_err());
+        assert!(size("-1").is_err());
+    }
+
+    #[test]
+    fn dimensions_are_bounded() {
+        assert_eq!(dimensions("640x480"), Ok([640, 480]));
+        assert!(dimensions("0x480").is_err());
+        assert!(dimensions("640").is_err());
+    }
+}

@@ -1,0 +1,76 @@
+//! One file a command.
+
+pub mod bench;
+pub mod build;
+pub mod check;
+pub mod info;
+mod machine;
+pub mod render;
+pub mod run;
+mod scene;
+pub mod trace;
+
+use crate::arguments;
+use crate::failure::{self, Failure};
+use ghyll_compiler::compile::{self, CompileError, Compiled, EntryKind, Options};
+use ghyll_compiler::diagnostic::Report;
+use ghyll_compiler::front::Checked;
+use ghyll_compiler::source::Source;
+use std::path::Path;
+
+/// Longest program text that is read.
+const LONGEST_PROGRAM: u64 = 64 << 20;
+
+/// Reads a program's text.
+fn read(path: &Path) -> Result<Source, Failure> {
+    let shown = path.display();
+    let fail = |why: &dyn std::fmt::Display| Failure::Input(format!("cannot read {shown}: {why}"));
+    let length = std::fs::metadata(path).map_err(|e| fail(&e))?;
+    if length.is_dir() {
+        return Err(Failure::Input(format!("{shown} is a folder; name a .ghyll file in it")));
+    }
+    if length.len() > LONGEST_PROGRAM {
+        return Err(fail(&"it is longer than 64 MiB, so hardly a program"));
+    }
+    let bytes = std::fs::read(path).map_err(|e| fail(&e))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        fail(&format!("it is not UTF-8 (first bad byte at offset {at}); save it as UTF-8"))
+    })?;
+    Ok(Source::new(shown.to_string(), text))
+}
+
+/// Parses and checks a program, showing its warnings.
+fn checked(source: Source, json: bool) -> Result<Checked, Failure> {
+    let checked = compile::check(source).map_err(|report| Failure::Diagnostics { report, json })?;
+    if !json && !checked.warnings.is_empty() {
+        let diagnostics = checked.warnings.clone();
+        failure::show(&Report { sources: checked.sources.clone(), diagnostics }, false);
+    }
+    Ok(checked)
+}
+
+/// Compiles a checked program as the arguments say.
+fn compiled(
+    checked: &Checked,
+    program: &arguments::Program,
+    want: Option<EntryKind>,
+) -> Result<Compiled, Failure> {
+    let mut set = Vec::new();
+    for setting in &program.set {
+        let (name, value) = setting.split_once('=').ok_or_else(|| {
+            Failure::Usage(format!("--set {setting}: expected NAME=VALUE, such as --set detail=true"))
+        })?;
+        set.push((name.trim().to_string(), value.trim().to_string()));
+    }
+    let options = Options { entry: program.entry.clone(), want, set, live: program.live.clone() };
+    let compiled = compile::compile(checked, &options).map_err(|error| match error {
+        CompileError::Program(report) => Failure::Diagnostics { report, json: program.json },
+        CompileError::Request(message) => Failure::Usage(message),
+    })?;
+    if !program.json && !compiled.warnings.is_empty() {
+        let diagnostics = compiled.warnings.clone();
+        failure::show(&Report { sources: checked.sources.clone(), diagnostics }, false);
+    }
+    Ok(compiled)
+}

@@ -1,0 +1,39 @@
+//! `ghyll render`: a picture of an image entry.
+
+use super::{checked, compiled, machine, read, scene};
+use crate::arguments::Render;
+use crate::failure::Failure;
+use crate::report;
+use ghyll_compiler::compile::EntryKind;
+use ghyll_compiler::source::Source;
+use ghyll_runtime::image;
+use ghyll_runtime::machine::Job;
+
+/// What `ghyll render` shows without a file.
+const EXAMPLE: &str = include_str!("../../../../../lang-examples/fuji.ghyll");
+
+pub fn render(arguments: &Render) -> Result<(), Failure> {
+    // A picture that cannot be written is known before it is computed.
+    image::Format::of(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
+
+    let source = match &arguments.file {
+        Some(path) => read(path)?,
+        None => Source::new("lang-examples/fuji.ghyll", EXAMPLE),
+    };
+    let checked = checked(source, arguments.program.json)?;
+    let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Image))?;
+    let scene = scene::of_render(arguments)?;
+    let (machine, config) = machine::open(&arguments.machine)?;
+    eprintln!("rendering on {}", machine.describe());
+
+    let [width, height] = arguments.size;
+    let progress = report::Progress::start("rendering");
+    let job = Job { checked: &checked, compiled: &compiled, scene: Some(&scene) };
+    let outcome = job.render(&machine, (width, height), &config);
+    progress.finish();
+    let (picture, stats) = outcome.map_err(Failure::run)?;
+    picture.save(&arguments.output).map_err(|e| Failure::Input(e.to_string()))?;
+    eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
+    report::stats(&arguments.machine, &machine, &stats);
+    Ok(())
+}

@@ -1,0 +1,46 @@
+//! `ghyll trace`: the stream round by round, every redex rewritten in each.
+
+use super::{checked, compiled, read};
+use crate::arguments::Trace;
+use crate::failure::Failure;
+use ghyll_compiler::compile::EntryKind;
+use ghyll_compiler::interpret::{NoHost, Stopped};
+use ghyll_compiler::stream;
+
+/// Steps inside fused functions, all rounds together.
+const FUEL: u64 = 1 << 30;
+
+pub fn trace(arguments: &Trace) -> Result<(), Failure> {
+    let checked = checked(read(&arguments.file)?, arguments.program.json)?;
+    let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Value))?;
+    let args = super::run::arguments(&checked, &compiled, &arguments.args)?;
+    let words = super::run::constants(&checked, &compiled, &args)?;
+    let back = &compiled.back;
+    let first = stream::initial(&back.table, back.entry, &words);
+    let mut last = first.clone();
+    let streams = stream::rounds(&back.table, first, &NoHost, FUEL);
+    for (at, stream) in streams.take(arguments.rounds).enumerate() {
+        let stream = stream.map_err(|why| Failure::Run(explained(&why)))?;
+        println!("s{at}: {}", stream::print(&back.table, &stream));
+        last = stream;
+    }
+    if stream::is_normal(&last) {
+        return Ok(());
+    }
+    Err(Failure::Run(format!(
+        "the program was not finished after {} streams; show more with --rounds",
+        arguments.rounds
+    )))
+}
+
+fn explained(why: &Stopped) -> String {
+    match why {
+        Stopped::OutOfFuel => "a fused loop did not end; does its condition ever fail?".into(),
+        Stopped::TooDeep => "fused functions are nested too deep".into(),
+        Stopped::NotAnswered(name) => {
+            format!(
+                "`{name}` needs a scene, which `ghyll trace` does not have; trace a program without terrain"
+            )
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! How a stream is to be rewritten, and what is known afterwards.
+
+use std::time::Duration;
+
+/// Strategy of the rewriter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rewriter {
+    /// Breadth first until there are enough redexes, then lanes, depth first.
+    #[default]
+    Auto,
+    /// Rounds over blocks of the stream, as in the paper.
+    Block,
+    /// One window per pixel or program, rewritten depth first.
+    Lane,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    pub rewriter: Rewriter,
+    /// Rewrites that a lane makes before its window is published; none lets the rewriter choose.
+    pub depth: Option<u32>,
+    /// Tokens in a block; raised to what the longest arity needs.
+    pub block: u32,
+    pub threads: Option<usize>,
+    /// Bytes for the stream and all windows together.
+    pub max_memory: u64,
+    pub max_rewrites: Option<u64>,
+    pub timeout: Duration,
+    /// On the GPU: leaves out the checks that wgpu adds to shaders.
+    pub trusted: bool,
+}
+
+impl Default for Config {
+    fn default() -> Config {
+        Config {
+            rewriter: Rewriter::Auto,
+            depth: None,
+            block: 512,
+            threads: None,
+            max_memory: 1 << 30,
+            max_rewrites: None,
+            timeout: Duration::from_secs(60),
+            trusted: true,
+        }
+    }
+}
+
+/// Counts and times of one run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stats {
+    pub rounds: u64,
+    /// Function tokens rewritten; an iteration of a tail call loop counts as one.
+    pub rewrites: u64,
+    /// Tokens written by the splice stage of all rounds.
+    pub tokens_moved: u64,
+    /// The longest stream between two rounds, in tokens.
+    pub longest_stream: u64,
+    /// Bytes of stream and windows at their greatest.
+    pub peak_memory: u64,
+    pub decode: Duration,
+    pub execute: Duration,
+    pub allocate: Duration,
+    pub splice: Duration,
+    /// On the GPU.
+    pub dispatches: u64,
+    pub submissions: u64,
+    /// Lanes that ran out of window or fuel and were continued later.
+    pub suspended: u64,
+    /// Making pipelines, within the total.
+    pub compiling: Duration,
+    /// The whole run.
+    pub total: Duration,
+}

@@ -1,0 +1,102 @@
+//! What can go wrong while a program runs. Each message says what happened, in which function, and what to do.
+
+use thiserror::Error;
+
+/// A run that ended without a value (exit status 3 on the command line).
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RunError {
+    #[error(
+        "`{function}` was still being evaluated after {seconds:.1} s ({reached}); \
+         does its recursion or loop end? Allow more time with --timeout"
+    )]
+    Timeout { function: String, seconds: f64, reached: String },
+
+    #[error(
+        "`{function}` needs more memory than is allowed: {} of {}; \
+         does its recursion end? Allow more with --max-memory",
+        size(*bytes), size(*limit)
+    )]
+    OutOfMemory { function: String, bytes: u64, limit: u64 },
+
+    #[error(
+        "`{function}` was reached with all {limit} rewrites spent and the program was not finished; \
+         does its recursion end? Allow more with --max-rewrites"
+    )]
+    MaxRewrites { function: String, limit: u64 },
+
+    #[error(
+        "`{function}` recurses too deep: {depth} calls are open and use {}; \
+         does its recursion end? Allow more with --max-memory, or make the recursive call the function's result",
+        size(*bytes)
+    )]
+    TooDeep { function: String, depth: u64, bytes: u64 },
+
+    #[error(
+        "a loop in `{function}` made {steps} steps without an end; \
+         does its condition ever fail? A function marked @task can be interrupted and continued"
+    )]
+    LoopTooLong { function: String, steps: u64 },
+
+    #[error("not supported yet: {0}")]
+    Unsupported(String),
+
+    #[error("the GPU failed: {0}; `--on cpu` runs the same program without one")]
+    Device(String),
+
+    /// A broken promise between the compiler and the runtime.
+    #[error("internal error, please report it with the program: {0}")]
+    Internal(String),
+}
+
+impl From<crate::gpu::RunError> for RunError {
+    fn from(error: crate::gpu::RunError) -> RunError {
+        use crate::gpu::RunError as Gpu;
+        match error {
+            Gpu::Timeout { function, seconds, rewrites } => {
+                RunError::Timeout { function, seconds, reached: format!("{rewrites} rewrites") }
+            }
+            Gpu::OutOfMemory { function, bytes, limit } => RunError::OutOfMemory { function, bytes, limit },
+            Gpu::MaxRewrites { function, rewrites } => RunError::MaxRewrites { function, limit: rewrites },
+            Gpu::LoopTooLong { function, steps } => {
+                RunError::LoopTooLong { function, steps: u64::from(steps) }
+            }
+            other => RunError::Device(other.to_string()),
+        }
+    }
+}
+
+/// Bytes for a reader: three digits and a binary unit.
+fn size(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["bytes", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    match unit {
+        0 => format!("{bytes} bytes"),
+        _ if value < 10.0 => format!("{value:.1} {}", UNITS[unit]),
+        _ => format!("{value:.0} {}", UNITS[unit]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!(size(12), "12 bytes");
+        assert_eq!(size(1536), "1.5 KiB");
+        assert_eq!(size(4 << 30), "4.0 GiB");
+        assert_eq!(size(64 << 20), "64 MiB");
+    }
+
+    #[test]
+    fn messages_name_the_function() {
+        let error = RunError::OutOfMemory { function: "grow".into(), bytes: 3 << 20, limit: 2 << 20 };
+        let text = error.to_string();
+        assert!(text.contains("`grow`") && text.contains("3.0 MiB of 2.0 MiB"), "{text}");
+    }
+}

@@ -1,0 +1,253 @@
+//! A program on the device: its kernels, its buffers, and the two ways to run it.
+
+use std::time::{Duration, Instant};
+
+use super::buffers::{Buffers, Capacity};
+use super::code::{Code, Config, Rewriter};
+use super::device::Gpu;
+use super::error::RunError;
+use super::fuel::Fuel;
+use super::image::{PIXEL_FUEL, PIXEL_SHARE};
+use super::layout::{NO_TASK, Params, State};
+use super::pipelines::{Groups, Pipelines};
+use super::readback::Readback;
+use super::shape::Shape;
+
+/// Bind group 1 of the program's functions.
+pub struct Scene {
+    pub layout: wgpu::BindGroupLayout,
+    pub group: wgpu::BindGroup,
+}
+
+/// What a run cost.
+#[derive(Clone, Debug, Default)]
+pub struct Stats {
+    pub rounds: u64,
+    pub rewrites: u64,
+    /// Tokens written by splice.
+    pub moved: u64,
+    pub dispatches: u64,
+    pub submissions: u64,
+    pub arena_bytes: u64,
+    /// Most blocks in use.
+    pub blocks_peak: u32,
+    /// Lanes that were suspended.
+    pub suspended: u64,
+    /// From the first write to the last readback.
+    pub time: Duration,
+    /// Time spent compiling pipelines, within `time`.
+    pub compiling: Duration,
+}
+
+/// Literals of the normal form.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub words: Vec<u32>,
+    pub stats: Stats,
+}
+
+/// Pixels row by row, components one after the other.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    pub words: Vec<f32>,
+    pub stats: Stats,
+}
+
+pub struct Engine {
+    pub(super) gpu: Gpu,
+    pub(super) code: Code,
+    pub(super) config: Config,
+    pub(super) shape: Shape,
+    pub(super) pipelines: Pipelines,
+    pub(super) buffers: Buffers,
+    pub(super) groups: Groups,
+    pub(super) scene: Option<wgpu::BindGroup>,
+    pub(super) readback: Readback,
+    pub(super) fuel: Fuel,
+    /// Most fuel of a lane in a dispatch.
+    pub(super) cap: i32,
+    /// Workgroups that draw pixels in one dispatch, and the steps each lane makes for them.
+    pub(super) pixel_groups: u32,
+    pub(super) pixel_share: i32,
+    pub(super) pixel_fuel: i32,
+    /// Tile rows that `direct` computes in one submission.
+    pub(super) direct_rows: u32,
+    live: Vec<u32>,
+}
+
+/// How a rewriting ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ended {
+    Normal,
+    /// The adapter cut loops short: nothing of it may be used, and the next attempt has less fuel.
+    Void,
+}
+
+/// One run: when it began and what it has cost so far.
+pub(super) struct Job {
+    pub started: Instant,
+    pub stats: Stats,
+    /// A task that was cut short or ran out of something last.
+    pub latest: u32,
+}
+
+impl Job {
+    pub fn new() -> Job {
+        Job { started: Instant::now(), stats: Stats::default(), latest: NO_TASK }
+    }
+
+    /// Adds a submission's counters, which start from 0 again.
+    pub fn absorb(&mut self, state: &mut State) {
+        self.stats.submissions += 1;
+        self.stats.rounds += u64::from(state.rounds);
+        self.stats.rewrites += u64::from(state.rewrites);
+        self.stats.moved += u64::from(state.moved);
+        self.stats.suspended += u64::from(state.suspended);
+        self.stats.blocks_peak = self.stats.blocks_peak.max(state.peak);
+        for task in [state.latest, state.culprit] {
+            if task != NO_TASK {
+                self.latest = task;
+            }
+        }
+        state.rounds = 0;
+        state.rewrites = 0;
+        state.rewrites_before = 0;
+        state.moved = 0;
+        state.suspended = 0;
+    }
+}
+
+/// Arena to begin with, and what the records of one round may take.
+const ARENA_BYTES: u64 = 16 << 20;
+const RECORD_BYTES: u64 = 24 << 20;
+
+fn capacity(shape: &Shape, config: &Config) -> Capacity {
+    let stride = u64::from(shape.stride()) * 4;
+    let record = u64::from(shape.record()) * 4;
+    Capacity {
+        blocks: (ARENA_BYTES.min(config.max_memory) / stride).max(8) as u32,
+        records: (RECORD_BYTES.min(config.max_memory / 4) / record).clamp(8, 1 << 18) as u32,
+    }
+}
+
+impl Engine {
+    pub fn new(gpu: &Gpu, code: Code, config: Config, scene: Option<Scene>) -> Result<Engine, RunError> {
+        Engine::with_components(gpu, code, config, scene, 0)
+    }
+
+    /// An engine that can also render images of so many words a pixel.
+    pub fn with_components(
+        gpu: &Gpu,
+        code: Code,
+        config: Config,
+        scene: Option<Scene>,
+        components: u32,
+    ) -> Result<Engine, RunError> {
+        let shape = Shape::new(&code, &config, components, gpu.info().software)?;
+        Engine::with_shape(gpu, code, config, scene, shape)
+    }
+
+    pub(super) fn with_shape(
+        gpu: &Gpu,
+        code: Code,
+        config: Config,
+        scene: Option<Scene>,
+        shape: Shape,
+    ) -> Result<Engine, RunError> {
+        let (layout, group) = match scene {
+            Some(scene) => (Some(scene.layout), Some(scene.group)),
+            None => (None, None),
+        };
+        let pipelines = Pipelines::new(&gpu.device, layout, config.trusted);
+        let table_words = code.arities.len() as u64 + 1 + u64::from(code.live_words);
+        let buffers = Buffers::new(&gpu.device, &shape, capacity(&shape, &config), table_words);
+        let groups = pipelines.groups(&gpu.device, &buffers);
+        let mut tables = code.arities.clone();
+        tables.push(shape.components + 1);
+        gpu.queue.write_buffer(&buffers.tables, 0, bytemuck::cast_slice(&tables));
+        Ok(Engine {
+            gpu: gpu.clone(),
+            live: vec![0; code.live_words as usize],
+            code,
+            config,
+            shape,
+            pipelines,
+            buffers,
+            groups,
+            scene: group,
+            readback: Readback::default(),
+            fuel: Fuel::default(),
+            cap: gpu.loop_turns().map_or(i32::MAX, |turns| turns as i32 / 3),
+            pixel_groups: gpu.parallel_groups() * 4,
+            pixel_share: PIXEL_SHARE,
+            pixel_fuel: PIXEL_FUEL,
+            direct_rows: 1,
+        })
+    }
+
+    /// Sets the words of the live parameters; missing ones stay.
+    pub fn set_live(&mut self, words: &[u32]) {
+        for (old, new) in self.live.iter_mut().zip(words) {
+            *old = *new;
+        }
+        let offset = (self.code.arities.len() as u64 + 1) * 4;
+        if !self.live.is_empty() {
+            self.gpu.queue.write_buffer(&self.buffers.tables, offset, bytemuck::cast_slice(&self.live));
+        }
+    }
+
+    /// Rewrites a stream of `(word, is it a function token)` to its normal form.
+    pub fn run(&mut self, stream: &[(u32, bool)]) -> Result<Outcome, RunError> {
+        let mut job = Job::new();
+        let compiled = self.pipelines.compiling;
+        loop {
+            let mut state = self.load(stream)?;
+            if self.rewrite(&mut job, &mut state)? == Ended::Normal {
+                let words = self.literals(&state)?;
+                return Ok(Outcome { words, stats: self.close(job, compiled) });
+            }
+        }
+    }
+
+    pub(super) fn close(&self, job: Job, compiled: Duration) -> Stats {
+        Stats {
+            time: job.started.elapsed(),
+            compiling: self.pipelines.compiling - compiled,
+            arena_bytes: self.buffers.capacity.arena_bytes(&self.shape),
+            ..job.stats
+        }
+    }
+
+    /// Lanes in flight.
+    fn groups_of_lanes(&self) -> u32 {
+        let parallel = self.gpu.parallel_groups();
+        match self.config.threads {
+            Some(threads) => (threads / self.shape.lanes).clamp(1, 65535),
+            None if self.gpu.info().software => parallel * 16,
+            None => parallel * 4,
+        }
+    }
+
+    pub(super) fn params(&self) -> Params {
+        let groups = self.groups_of_lanes();
+        let depth = match (self.config.depth, self.config.rewriter) {
+            (Some(depth), _) => depth.max(1),
+            (None, Rewriter::Auto) => 0,
+            (None, Rewriter::Block) => 1,
+            (None, Rewriter::Lane) => u32::MAX >> 2,
+        };
+        Params {
+            capacity: self.buffers.capacity.blocks,
+            record_capacity: self.buffers.capacity.records,
+            fuel: self.fuel.steps,
+            depth,
+            threshold: (groups * self.shape.lanes).max(64),
+            groups,
+            cap: self.cap,
+            canary: 3,
+            most_turns: self.gpu.loop_turns().map_or(u32::MAX >> 1, |turns| turns / 2),
+            parallel: self.gpu.parallel_groups(),
+            ..Params::default()
+        }
+    }
+}

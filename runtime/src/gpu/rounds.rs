@@ -1,0 +1,289 @@
+//! Rounds until normal form: load a stream, play batches of rounds, give them memory and fuel, read the result.
+
+use std::time::Instant;
+
+use super::engine::{Ended, Engine, Job};
+use super::error::RunError;
+use super::layout::{
+    DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
+    State,
+};
+use super::shader::Kernel;
+use super::shape::GRID;
+
+const STAGES: [Kernel; 4] = [Kernel::Decode, Kernel::Execute, Kernel::Allocate, Kernel::Splice];
+/// Rounds without a rewrite after which what is short will not come by itself.
+const PATIENCE: u32 = 4;
+
+/// Fuel of a lane at which a loop that is still cut short by the adapter must be one task's own.
+const LEAST_CAP: i32 = 16;
+
+/// Words of a block: tokens, then their function bits.
+fn block_words(tokens: &[(u32, bool)], block: usize, stride: usize, out: &mut Vec<u32>) {
+    let base = out.len();
+    out.resize(base + stride, 0);
+    for (index, (word, function)) in tokens.iter().enumerate() {
+        out[base + index] = *word;
+        out[base + block + index / 32] |= u32::from(*function) << (index % 32);
+    }
+}
+
+impl Engine {
+    /// Most blocks that the arena may grow to.
+    fn most_blocks(&self) -> u32 {
+        let limits = &self.gpu.info().limits;
+        let bytes =
+            self.config.max_memory.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
+        (bytes / (u64::from(self.shape.stride()) * 4)).clamp(8, 1 << 28) as u32
+    }
+
+    /// Writes the stream to the arena, and everything else afresh.
+    pub(super) fn load(&mut self, stream: &[(u32, bool)]) -> Result<State, RunError> {
+        let block = self.shape.block as usize;
+        let blocks = stream.len().div_ceil(block) as u32;
+        while blocks * 2 + 4 > self.buffers.capacity.blocks {
+            if self.buffers.capacity.blocks >= self.most_blocks() {
+                return Err(self.out_of_memory(NO_TASK));
+            }
+            self.grow_arena(blocks * 2 + 4);
+        }
+        let mut words = Vec::with_capacity(blocks as usize * self.shape.stride() as usize);
+        let mut order = Vec::with_capacity(blocks as usize * 2);
+        for (index, tokens) in stream.chunks(block).enumerate() {
+            block_words(tokens, block, self.shape.stride() as usize, &mut words);
+            order.extend([index as u32, tokens.len() as u32]);
+        }
+        let queue = &self.gpu.queue;
+        queue.write_buffer(&self.buffers.arena, 0, bytemuck::cast_slice(&words));
+        queue.write_buffer(&self.buffers.lists, 0, bytemuck::cast_slice(&order));
+        Ok(self.begin(blocks))
+    }
+
+    /// The state of a stream whose blocks are the arena's first ones and the first order list's entries.
+    pub(super) fn begin(&mut self, blocks: u32) -> State {
+        let free: Vec<u32> = (blocks..self.buffers.capacity.blocks).rev().collect();
+        let offset = self.buffers.free_offset(0);
+        self.gpu.queue.write_buffer(&self.buffers.lists, offset, bytemuck::cast_slice(&free));
+        let mut state = State {
+            blocks,
+            pairs: blocks.div_ceil(2),
+            free: free.len() as i32,
+            culprit: NO_TASK,
+            latest: NO_TASK,
+            peak: blocks,
+            ..State::default()
+        };
+        self.permit(&mut state);
+        state
+    }
+
+    /// Lets the rounds go on: sets what the allocate stage sets between two of them.
+    pub(super) fn permit(&self, state: &mut State) {
+        state.limit = self.memory_limit(state);
+        state.status = RUNNING;
+        let grid = |count: u32| [count.min(GRID), count.div_ceil(GRID), 1];
+        let sizes = [grid(state.pairs), grid(0)];
+        self.gpu.queue.write_buffer(&self.buffers.pair_groups, 0, bytemuck::cast_slice(&sizes));
+        self.gpu.queue.write_buffer(&self.buffers.lane_groups, 0, bytemuck::cast_slice(&[0u32, 1, 1]));
+    }
+
+    /// `memory_limit` of the allocate stage.
+    fn memory_limit(&self, state: &State) -> u32 {
+        let (block, output) = (u64::from(self.shape.block), u64::from(self.shape.output()));
+        let cost = 2 + output.div_ceil(block);
+        let available = state.free.max(0) as u64 + u64::from(state.freed);
+        let share = if available / 2 < cost { available } else { available / 2 };
+        let spread = u64::from(state.blocks + state.pairs);
+        let wide = share.saturating_sub(spread) * block / output;
+        (share / cost).max(wide).min(u64::from(self.buffers.capacity.records)) as u32
+    }
+
+    /// Compiles kernels; true if any was not ready.
+    pub(super) fn prepare(&mut self, kernels: &[Kernel]) -> Result<bool, RunError> {
+        let mut cold = false;
+        for kernel in kernels {
+            cold |= self.pipelines.prepare(&self.gpu, *kernel, &self.shape, &self.code)?;
+        }
+        Ok(cold)
+    }
+
+    pub(super) fn write(&self, params: &Params, state: &State) {
+        self.gpu.queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(params));
+        self.gpu.queue.write_buffer(&self.buffers.state, 0, bytemuck::bytes_of(state));
+    }
+
+    /// Binds a kernel; its dispatch follows.
+    pub(super) fn bind(&self, pass: &mut wgpu::ComputePass, kernel: Kernel) {
+        if let Some(pipeline) = self.pipelines.get(kernel) {
+            pass.set_pipeline(pipeline);
+        }
+        pass.set_bind_group(0, &self.groups.stream, &[]);
+        let scene = self.scene.as_ref().filter(|_| kernel.runs_code());
+        pass.set_bind_group(1, scene.unwrap_or(&self.groups.empty), &[]);
+        match kernel {
+            Kernel::Decode => pass.set_bind_group(2, &self.groups.decode_sizes, &[]),
+            Kernel::Allocate => pass.set_bind_group(2, &self.groups.allocate_sizes, &[]),
+            _ => {}
+        }
+    }
+
+    fn record_rounds(&self, encoder: &mut wgpu::CommandEncoder, rounds: u32) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        for _ in 0..rounds {
+            for kernel in STAGES {
+                self.bind(&mut pass, kernel);
+                match kernel {
+                    Kernel::Decode => pass.dispatch_workgroups_indirect(&self.buffers.pair_groups, 0),
+                    Kernel::Execute => pass.dispatch_workgroups_indirect(&self.buffers.lane_groups, 0),
+                    Kernel::Splice => pass.dispatch_workgroups_indirect(&self.buffers.pair_groups, 12),
+                    _ => pass.dispatch_workgroups(1, 1, 1),
+                }
+            }
+        }
+    }
+
+    /// Plays rounds until only literals are left.
+    pub(super) fn rewrite(&mut self, job: &mut Job, state: &mut State) -> Result<Ended, RunError> {
+        // A driver may compile at the first dispatch, so the first submission's time says nothing.
+        let mut cold = self.prepare(&STAGES)?;
+        loop {
+            let rounds = self.fuel.rounds;
+            let start = Instant::now();
+            self.write(&self.params(), state);
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            self.record_rounds(&mut encoder, rounds);
+            let range = (&self.buffers.state, 0, size_of::<State>() / 4);
+            let words = self.readback.submit(&self.gpu, encoder, &[range])?;
+            *state = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words));
+            let time = start.elapsed();
+            job.stats.dispatches += u64::from(rounds) * STAGES.len() as u64;
+            let full = std::mem::take(&mut state.full);
+            job.absorb(state);
+            if state.flags & FLAG_LOOPS != 0 {
+                self.lower_cap(state)?;
+                return Ok(Ended::Void);
+            }
+            if state.status == DONE {
+                return Ok(Ended::Normal);
+            }
+            self.check_limits(job)?;
+            if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
+                if state.idle >= 2 && !self.fuel.extend(time / rounds) {
+                    return Err(self.loop_too_long(state));
+                }
+            } else if !std::mem::take(&mut cold) {
+                self.fuel.learn(time, full);
+            }
+            self.mend(job, state)?;
+        }
+    }
+
+    /// After a submission that did not finish: gives memory where it was short.
+    fn mend(&mut self, job: &Job, state: &mut State) -> Result<(), RunError> {
+        let short = state.status == NEEDS_MEMORY || state.flags & FLAG_MEMORY != 0;
+        if short {
+            let grown = self.grow(state);
+            if !grown && (state.status == NEEDS_MEMORY || state.idle >= PATIENCE) {
+                let task = if job.latest == NO_TASK { self.first_function(state)? } else { job.latest };
+                return Err(self.out_of_memory(task));
+            }
+        } else if state.status == STUCK && state.flags & FLAG_EXHAUSTED == 0 {
+            let task = self.first_function(state)?;
+            return Err(RunError::Stuck { function: self.code.name(task).to_owned() });
+        }
+        if state.status != RUNNING {
+            self.permit(state);
+        }
+        state.flags = 0;
+        Ok(())
+    }
+
+    pub(super) fn check_limits(&self, job: &Job) -> Result<(), RunError> {
+        let seconds = job.started.elapsed();
+        let function = || self.code.name(job.latest).to_owned();
+        let rewrites = job.stats.rewrites;
+        if seconds > self.config.timeout {
+            return Err(RunError::Timeout { function: function(), seconds: seconds.as_secs_f64(), rewrites });
+        }
+        if self.config.max_rewrites.is_some_and(|most| rewrites > most) {
+            return Err(RunError::MaxRewrites { function: function(), rewrites });
+        }
+        Ok(())
+    }
+
+    /// After loops were cut short by the adapter: fewer steps in a dispatch, down to those of a single task.
+    pub(super) fn lower_cap(&mut self, state: &State) -> Result<(), RunError> {
+        if self.cap <= LEAST_CAP {
+            return Err(self.loop_too_long(state));
+        }
+        self.cap = (self.cap / 4).max(LEAST_CAP);
+        Ok(())
+    }
+
+    pub(super) fn loop_too_long(&self, state: &State) -> RunError {
+        RunError::LoopTooLong {
+            function: self.code.name(state.culprit).to_owned(),
+            steps: self.fuel.steps as u32,
+        }
+    }
+
+    pub(super) fn out_of_memory(&self, task: u32) -> RunError {
+        RunError::OutOfMemory {
+            function: self.code.name(task).to_owned(),
+            bytes: self.buffers.capacity.arena_bytes(&self.shape),
+            limit: self.config.max_memory,
+        }
+    }
+
+    fn grow_arena(&mut self, least: u32) {
+        let blocks = (self.buffers.capacity.blocks * 4).max(least).min(self.most_blocks());
+        self.buffers.grow(&self.gpu.device, &self.gpu.queue, &self.shape, blocks);
+        self.groups = self.pipelines.groups(&self.gpu.device, &self.buffers);
+    }
+
+    /// Grows the arena under a stream; false if it may not grow.
+    pub(super) fn grow(&mut self, state: &mut State) -> bool {
+        let old = self.buffers.capacity.blocks;
+        if old >= self.most_blocks() {
+            return false;
+        }
+        self.grow_arena(0);
+        let added: Vec<u32> = (old..self.buffers.capacity.blocks).rev().collect();
+        let offset = self.buffers.free_offset(state.free.max(0) as u32);
+        self.gpu.queue.write_buffer(&self.buffers.lists, offset, bytemuck::cast_slice(&added));
+        state.free += added.len() as i32;
+        self.permit(state);
+        true
+    }
+
+    /// The order list: blocks and their sizes.
+    fn order(&mut self, state: &State) -> Result<Vec<[u32; 2]>, RunError> {
+        let first = u64::from(state.list) * u64::from(self.buffers.capacity.blocks) * 2;
+        let range = (&self.buffers.lists, first, state.blocks as usize * 2);
+        Ok(self.readback.read(&self.gpu, &[range])?.chunks_exact(2).map(|e| [e[0], e[1]]).collect())
+    }
+
+    /// The literals of a finished stream.
+    pub(super) fn literals(&mut self, state: &State) -> Result<Vec<u32>, RunError> {
+        let stride = u64::from(self.shape.stride());
+        let order = self.order(state)?;
+        let arena = &self.buffers.arena;
+        let ranges: Vec<_> = order.iter().map(|e| (arena, u64::from(e[0]) * stride, e[1] as usize)).collect();
+        self.readback.read(&self.gpu, &ranges)
+    }
+
+    /// Task of the first function token, for messages.
+    fn first_function(&mut self, state: &State) -> Result<u32, RunError> {
+        let stride = self.shape.stride() as usize;
+        for [block, size] in self.order(state)? {
+            let range = (&self.buffers.arena, u64::from(block) * stride as u64, stride);
+            let words = self.readback.read(&self.gpu, &[range])?;
+            let (tokens, bits) = words.split_at(self.shape.block as usize);
+            let function = |i: &usize| bits[i / 32] >> (i % 32) & 1 != 0 && tokens[*i] < RESUME;
+            if let Some(index) = (0..size as usize).find(function) {
+                return Ok(tokens[index]);
+            }
+        }
+        Ok(NO_TASK)
+    }
+}

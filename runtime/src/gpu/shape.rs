@@ -1,0 +1,104 @@
+//! All sizes of the rewriter, derived from the program and the adapter.
+
+use super::code::{Code, Config, Rewriter};
+use super::error::RunError;
+
+/// Longest block; a pair's function bits must fit into workgroup memory.
+const LONGEST_BLOCK: u32 = 1 << 14;
+/// Workgroups per row of a dispatch; WebGPU allows 65535.
+pub const GRID: u32 = 32768;
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Words of a block.
+    pub block: u32,
+    /// Words of a lane's window.
+    pub window: u32,
+    /// Lanes of a workgroup.
+    pub lanes: u32,
+    /// Invocations of a workgroup in the other stages.
+    pub group: u32,
+    /// Longest emission, the runtime's own tasks included.
+    pub emission: u32,
+    /// The compiler's tasks.
+    pub tasks: u32,
+    /// Words of a pixel; 0 without an image.
+    pub components: u32,
+    /// Rewrites of the inner loop between two looks at what is rare.
+    pub burst: u32,
+    /// Rewrites of a record while redexes are few.
+    pub expand: u32,
+    /// Literals that a lane takes from the left at a time.
+    pub pull: u32,
+    /// Windows of a workgroup lie word by word side by side (for coalescing), or one after the other.
+    pub interleaved: bool,
+    /// Fused loops can run out of fuel.
+    pub can_exhaust: bool,
+}
+
+/// What a lane may leave behind: its window, a task, and what is far as one token on each side.
+fn output(window: u32) -> u32 {
+    window + 3
+}
+
+impl Shape {
+    pub fn new(code: &Code, config: &Config, components: u32, software: bool) -> Result<Shape, RunError> {
+        let store = if components == 0 { 0 } else { components + 1 };
+        let arity = code.arities.iter().copied().max().unwrap_or(0).max(store);
+        let emission = code.longest_emission.max(store + 1).max(4);
+        let least = 4 * (arity + emission);
+        let block = config.block.max(least + 3).next_multiple_of(32);
+        if block > LONGEST_BLOCK {
+            return Err(RunError::ArityTooLong { arity, limit: LONGEST_BLOCK / 8 });
+        }
+        let wide = config.rewriter == Rewriter::Block || components != 0;
+        let window = if wide { least } else { least.max(64) }.min(block - 3);
+        Ok(Shape {
+            block,
+            window,
+            lanes: if software { 8 } else { 32 },
+            group: if software { 8 } else { 32 },
+            emission,
+            tasks: code.arities.len() as u32,
+            components,
+            burst: 64,
+            expand: 8,
+            pull: if config.rewriter == Rewriter::Block { 1 } else { window / 4 },
+            interleaved: !software,
+            can_exhaust: code.functions.contains("exhausted") || code.prelude.contains("exhausted"),
+        })
+    }
+
+    /// Words of a block with its function bits.
+    pub fn stride(&self) -> u32 {
+        self.block + self.block / 32
+    }
+
+    pub fn output(&self) -> u32 {
+        output(self.window)
+    }
+
+    /// Words of a record with its output.
+    pub fn record(&self) -> u32 {
+        8 + self.output() + self.output().div_ceil(32)
+    }
+
+    /// The constants that the shaders expect.
+    pub fn header(&self) -> String {
+        let constants = [
+            ("BLOCK", self.block),
+            ("OUTPUT", self.output()),
+            ("WINDOW", self.window),
+            ("EMISSION", self.emission),
+            ("LANES", self.lanes),
+            ("GROUP", self.group),
+            ("TASKS", self.tasks),
+            ("COMPONENTS", self.components),
+            ("BURST", self.burst),
+            ("EXPAND", self.expand),
+            ("PULL", self.pull),
+            ("GRID", GRID),
+        ];
+        constants.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect()
+    }
+}

@@ -1,0 +1,166 @@
+//! Values.
+
+use std::time::Duration;
+
+use super::super::*;
+use super::programs::{ackermann, count, fib, fused, fused_value, gpu, grow, hofstadter, spin, total};
+
+fn config(rewriter: Rewriter) -> Config {
+    Config { rewriter, ..Config::default() }
+}
+
+fn value(gpu: &Gpu, code: Code, config: Config, operands: &[u32]) -> Result<Outcome, RunError> {
+    let stream: Vec<_> = operands.iter().map(|word| (*word, false)).chain([(0, true)]).collect();
+    Engine::new(gpu, code, config, None)?.run(&stream)
+}
+
+#[test]
+fn fib_by_every_rewriter_checked_and_trusted() {
+    let Some(gpu) = gpu() else { return };
+    for rewriter in [Rewriter::Block, Rewriter::Lane, Rewriter::Auto] {
+        for trusted in [true, false] {
+            let mut engine = Engine::new(&gpu, fib(), Config { trusted, ..config(rewriter) }, None).unwrap();
+            // The second run finds what the first has left in memory.
+            for (n, value, calls) in [(15, 610, 1973), (18, 2584, 8361)] {
+                let outcome = engine.run(&[(n, false), (0, true)]).unwrap();
+                assert_eq!(outcome.words, [value]);
+                assert_eq!(outcome.stats.rewrites, calls + calls / 2);
+            }
+        }
+    }
+}
+
+#[test]
+fn tiny_blocks_and_tiny_arenas() {
+    let Some(gpu) = gpu() else { return };
+    for rewriter in [Rewriter::Block, Rewriter::Lane, Rewriter::Auto] {
+        let small = Config { block: 32, max_memory: 64 << 10, ..config(rewriter) };
+        assert_eq!(value(&gpu, fib(), small, &[13]).unwrap().words, [233], "{rewriter:?}");
+    }
+}
+
+#[test]
+fn deep_lanes_outgrow_their_window() {
+    let Some(gpu) = gpu() else { return };
+    for (block, threads) in [(512, None), (32, None), (512, Some(8))] {
+        let config = Config { block, threads, ..config(Rewriter::Lane) };
+        assert_eq!(value(&gpu, fib(), config, &[23]).unwrap().words, [28657]);
+    }
+}
+
+#[test]
+fn deep_recursion() {
+    let Some(gpu) = gpu() else { return };
+    let n = 1_000_000u32;
+    let sum = (1..=n).fold(0u32, u32::wrapping_add);
+    let outcome = value(&gpu, total(), config(Rewriter::Auto), &[n]).unwrap();
+    eprintln!("total(1000000): {:?}", outcome.stats);
+    assert_eq!(outcome.words, [sum]);
+    assert_eq!(outcome.stats.rewrites, 2 * u64::from(n) + 1);
+}
+
+#[test]
+fn deep_recursion_in_a_small_arena_by_blocks() {
+    let Some(gpu) = gpu() else { return };
+    let config = Config { depth: Some(64), max_memory: 1 << 20, ..config(Rewriter::Block) };
+    let outcome = value(&gpu, total(), config, &[20_000]).unwrap();
+    assert_eq!(outcome.words, [(1..=20_000u32).sum::<u32>()]);
+}
+
+#[test]
+fn tail_calls() {
+    let Some(gpu) = gpu() else { return };
+    let n = 10_000_000u32;
+    let sum = (1..=n).fold(0u32, u32::wrapping_add);
+    let outcome = value(&gpu, count(), config(Rewriter::Auto), &[n, 0]).unwrap();
+    eprintln!("count(10000000): {:?}", outcome.stats);
+    assert_eq!(outcome.words, [sum]);
+}
+
+#[test]
+fn nested_recursion() {
+    let Some(gpu) = gpu() else { return };
+    let outcome = value(&gpu, ackermann(), config(Rewriter::Auto), &[2, 300]).unwrap();
+    eprintln!("ackermann(2, 300): {:?}", outcome.stats);
+    assert_eq!(outcome.words, [603]);
+}
+
+#[test]
+fn mutual_recursion() {
+    let Some(gpu) = gpu() else { return };
+    let n = 120usize;
+    let (mut female, mut male) = (vec![1usize], vec![0usize]);
+    for i in 1..=n {
+        male.push(i - female[male[i - 1]]);
+        female.push(i - male[female[i - 1]]);
+    }
+    let outcome = value(&gpu, hofstadter(), config(Rewriter::Auto), &[n as u32]).unwrap();
+    eprintln!("female(120): {:?}", outcome.stats);
+    assert_eq!(outcome.words, [female[n] as u32]);
+}
+
+#[test]
+fn endless_loop_ends_by_timeout() {
+    let Some(gpu) = gpu() else { return };
+    let config = Config { timeout: Duration::from_millis(300), ..config(Rewriter::Auto) };
+    match value(&gpu, spin(), config, &[0]) {
+        Err(RunError::Timeout { function, .. }) => assert_eq!(function, "spin"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn endless_growth_ends_by_memory() {
+    let Some(gpu) = gpu() else { return };
+    for rewriter in [Rewriter::Block, Rewriter::Lane, Rewriter::Auto] {
+        match value(&gpu, grow(), Config { max_memory: 1 << 20, ..config(rewriter) }, &[0]) {
+            Err(RunError::OutOfMemory { function, bytes, limit }) => {
+                assert_eq!(function, "grow", "{rewriter:?}");
+                assert!(bytes <= limit && bytes > limit / 2);
+            }
+            other => panic!("{rewriter:?} {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn most_rewrites() {
+    let Some(gpu) = gpu() else { return };
+    let config = Config { max_rewrites: Some(10_000), ..config(Rewriter::Auto) };
+    match value(&gpu, fib(), config, &[27]) {
+        Err(RunError::MaxRewrites { function, rewrites }) => {
+            assert_eq!(function, "fib");
+            assert!(rewrites > 10_000);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn fused_loops_get_the_fuel_they_need() {
+    let Some(gpu) = gpu() else { return };
+    let outcome = value(&gpu, fused(), config(Rewriter::Auto), &[15_000]).unwrap();
+    assert_eq!(outcome.words, [fused_value(15_000)]);
+    match value(&gpu, fused(), config(Rewriter::Auto), &[u32::MAX]) {
+        Err(RunError::LoopTooLong { function, .. }) => assert_eq!(function, "fused"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn lacking_operands_are_an_error() {
+    let Some(gpu) = gpu() else { return };
+    let mut engine = Engine::new(&gpu, fib(), Config::default(), None).unwrap();
+    match engine.run(&[(1, false), (1, true)]) {
+        Err(RunError::Stuck { function }) => assert_eq!(function, "fib"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn literals_alone_and_nothing() {
+    let Some(gpu) = gpu() else { return };
+    let mut engine = Engine::new(&gpu, fib(), Config::default(), None).unwrap();
+    assert_eq!(engine.run(&[(5, false), (6, false)]).unwrap().words, [5, 6]);
+    assert!(engine.run(&[]).unwrap().words.is_empty());
+}

@@ -1,0 +1,227 @@
+//! The device against the twin: the pyramid bit for bit, the intrinsics within rounding. Where no adapter exists the
+//! tests say so and check nothing.
+
+use super::*;
+use crate::terrain::SceneOptions;
+use crate::terrain::wgsl::wgsl;
+use ghyll_compiler::core::Scalar;
+use ghyll_compiler::intrinsics::Intrinsic;
+
+fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    let instance = wgpu::Instance::default();
+    let options = wgpu::RequestAdapterOptions::default();
+    let Ok(adapter) = pollster::block_on(instance.request_adapter(&options)) else {
+        eprintln!("no adapter: nothing was checked on a device");
+        return None;
+    };
+    let limits = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+    pollster::block_on(adapter.request_device(&limits)).ok()
+}
+
+fn read(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Vec<u32> {
+    let copy = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    queue.submit([encoder.finish()]);
+    copy.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let mapped = copy.slice(..).get_mapped_range().unwrap();
+    bytemuck::cast_slice(&mapped).to_vec()
+}
+
+fn scene(terrain: Terrain) -> Scene {
+    Scene::new(Arc::new(terrain), &SceneOptions::default()).unwrap()
+}
+
+fn random_field(width: u32, height: u32) -> Terrain {
+    let mut state = width * 31 + height;
+    let mut random = || {
+        state = state.wrapping_mul(747796405).wrapping_add(2891336453);
+        if state >> 28 == 0 { f32::NAN } else { (state >> 8) as f32 * 1e-5 - 60.0 }
+    };
+    let heights = (0..width * height).map(|_| random()).collect();
+    Terrain::from_heights(width, height, [10.0, 10.0], heights).unwrap()
+}
+
+#[test]
+fn the_pyramid_equals_its_twin() {
+    let Some((device, queue)) = device() else { return };
+    let mut fields = vec![Terrain::builtin()];
+    fields.extend([(2, 2), (3, 2), (2, 70), (65, 33), (100, 101)].map(|(w, h)| random_field(w, h)));
+    for terrain in fields {
+        let scene = scene(terrain);
+        let gpu = GpuTerrain::new(&device, &queue, &scene).unwrap();
+        let expected = scene.bound_words();
+        let found = read(&device, &queue, &gpu.bounds);
+        if scene.pyramid().top() > 0 {
+            // Padding nodes are not written.
+            let differ = same_bounds(&scene, &expected, &found);
+            assert!(differ.is_empty(), "{differ:?}");
+            let mut planted = found.clone();
+            planted[0] ^= 1;
+            assert_eq!(same_bounds(&scene, &expected, &planted), [0]);
+        }
+    }
+}
+
+/// Nodes whose bounds differ.
+fn same_bounds(scene: &Scene, expected: &[u32], found: &[u32]) -> Vec<u32> {
+    let half = Format::of(scene.terrain()) == Format::I16;
+    let node = |words: &[u32], i: u32| {
+        if half { words[i as usize / 2] >> (16 * (i & 1)) & 0xffff } else { words[i as usize] }
+    };
+    let nodes = scene.pyramid().levels[1..].iter().flat_map(|l| l.offset..l.offset + l.width * l.height);
+    nodes.filter(|i| node(expected, *i) != node(found, *i)).collect()
+}
+
+/// A kernel that evaluates one intrinsic for many arguments.
+fn kernel(intrinsic: Intrinsic, format: Format) -> String {
+    let params = intrinsic.params().len();
+    let results = intrinsic.results();
+    let args: Vec<String> =
+        (0..params).map(|i| format!("bitcast<f32>(args[at * {params}u + {i}u])")).collect();
+    let field = |i: usize| match results.len() {
+        1 => String::new(),
+        _ if ghyll_compiler::intrinsics::returns_struct(intrinsic) => format!(".r{i}"),
+        _ => format!("[{i}]"),
+    };
+    let store = |(i, scalar): (usize, &Scalar)| {
+        let value = match scalar {
+            Scalar::Bool => format!("u32(result{})", field(i)),
+            _ => format!("bitcast<u32>(result{})", field(i)),
+        };
+        format!("    results[at * {}u + {i}u] = {value};\n", results.len())
+    };
+    let stores: String = results.iter().enumerate().map(store).collect();
+    let text = wgsl(&[intrinsic], format).text;
+    format!(
+        "{text}\n@group(0) @binding(0) var<storage, read> args: array<u32>;\n\
+         @group(0) @binding(1) var<storage, read_write> results: array<u32>;\n\
+         @compute @workgroup_size(64)\nfn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n    \
+         let at = id.x;\n    let result = {}({});\n{stores}}}\n",
+        intrinsic.name(),
+        args.join(", ")
+    )
+}
+
+fn evaluate(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    scene: &Scene,
+    intrinsic: Intrinsic,
+    args: &[u32],
+    count: u32,
+) -> Vec<u32> {
+    let gpu = GpuTerrain::new(device, queue, scene).unwrap();
+    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &[entry(0, storage(true), 4), entry(1, storage(false), 4)],
+    });
+    let terrain = GpuTerrain::layout(device);
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(intrinsic.name()),
+        source: wgpu::ShaderSource::Wgsl(kernel(intrinsic, Format::of(scene.terrain())).into()),
+    });
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&layout), Some(&terrain)],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: Some(&pipeline_layout),
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let args = device.create_buffer_init(&BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(if args.is_empty() { &[0] } else { args }),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    let results = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 4 * u64::from(count) * intrinsic.results().len() as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &bind(device, &layout, "values", &[&args, &results]), &[]);
+    pass.set_bind_group(1, &gpu.bind_group(device, &terrain), &[]);
+    pass.dispatch_workgroups(count / 64, 1, 1);
+    drop(pass);
+    queue.submit([encoder.finish()]);
+    read(device, queue, &results)
+}
+
+/// Arguments that make sense for the intrinsic: pixels, ground positions or rays through the field.
+fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
+    let mut state = 99u32;
+    let mut unit = move || {
+        state = state.wrapping_mul(747796405).wrapping_add(2891336453);
+        (state >> 8) as f32 / 16777216.0
+    };
+    let [w, h] = scene.terrain().extent().map(|e| e as f32);
+    let (lo, hi) = (scene.terrain().min as f32, scene.terrain().max as f32);
+    let mut args = Vec::new();
+    for _ in 0..count {
+        match intrinsic.params().len() {
+            2 => args.extend([unit() * w, unit() * h]),
+            8 => {
+                let from =
+                    [(unit() * 2.0 - 0.5) * w, (unit() * 2.0 - 0.5) * h, lo + 2.0 * unit() * (hi - lo)];
+                let to = [unit() * w, unit() * h, lo + unit() * (hi - lo)];
+                let d = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+                let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+                args.extend(from);
+                args.extend(d.map(|d| d / length));
+                args.extend([0.0, 1e9]);
+            }
+            _ => {}
+        }
+    }
+    args.into_iter().map(f32::to_bits).collect()
+}
+
+#[test]
+fn intrinsics_agree_with_their_twins() {
+    let Some((device, queue)) = device() else { return };
+    const COUNT: u32 = 4096;
+    for scene in [scene(Terrain::builtin()), scene(random_field(60, 45))] {
+        for &intrinsic in Intrinsic::ALL {
+            let args = arguments(&scene, intrinsic, COUNT);
+            let found = evaluate(&device, &queue, &scene, intrinsic, &args, COUNT);
+            let (n, m) = (intrinsic.params().len(), intrinsic.results().len());
+            let mut expected = vec![0; m];
+            let mut apart = 0;
+            for at in 0..COUNT as usize {
+                scene.eval_f32(intrinsic, &args[at * n..(at + 1) * n], &mut expected);
+                apart += usize::from(!close(intrinsic, &expected, &found[at * m..(at + 1) * m]));
+            }
+            // A driver's division may put a ray that grazes an edge on its other side.
+            assert!(apart <= 2, "{}: {apart} of {COUNT} differ", intrinsic.name());
+            let wrong: Vec<u32> = expected.iter().map(|w| w ^ 0x0140_0001).collect();
+            assert!(!close(intrinsic, &expected, &wrong));
+        }
+    }
+}
+
+fn close(intrinsic: Intrinsic, expected: &[u32], found: &[u32]) -> bool {
+    let pairs = intrinsic.results().iter().zip(expected.iter().zip(found));
+    pairs.into_iter().all(|(scalar, (a, b))| match scalar {
+        Scalar::F32 => {
+            let (a, b) = (f32::from_bits(*a), f32::from_bits(*b));
+            (a - b).abs() <= 1e-4 * a.abs() + 1e-5
+        }
+        _ => a == b,
+    })
+}

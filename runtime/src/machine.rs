@@ -1,0 +1,270 @@
+//! One way to run a compiled program on any of the three machines: the GPU, its CPU twin, the oracle.
+
+use crate::config::{Config, Rewriter, Stats};
+use crate::error::RunError;
+use crate::gpu::{self, Gpu, GpuError, GpuOptions};
+use crate::gpu_terrain::GpuTerrain;
+use crate::image::Image;
+use crate::oracle::{self, OracleOptions};
+use crate::terrain::{Scene, wgsl};
+use crate::twin::Twin;
+use crate::value::Value;
+use crate::world::World;
+use ghyll_compiler::compile::Compiled;
+use ghyll_compiler::core::{Const, Scalar};
+use ghyll_compiler::front::Checked;
+use ghyll_compiler::layout;
+use ghyll_compiler::stream;
+use ghyll_compiler::table::Token;
+use ghyll_compiler::typed::{self, Function, FunctionId, Type};
+
+/// Where programs are evaluated.
+pub enum Machine {
+    Gpu(Box<Gpu>),
+    Cpu,
+    Oracle(oracle::Precision),
+}
+
+/// What a caller asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    Auto,
+    Gpu,
+    Cpu,
+    Oracle,
+}
+
+impl Machine {
+    /// Opens a machine; `Auto` is the best GPU, else the CPU twin.
+    pub fn open(wanted: Wanted, options: &GpuOptions) -> Result<Machine, GpuError> {
+        match wanted {
+            Wanted::Cpu => Ok(Machine::Cpu),
+            Wanted::Oracle => Ok(Machine::Oracle(oracle::Precision::F64)),
+            Wanted::Gpu => Ok(Machine::Gpu(Box::new(Gpu::new(options)?))),
+            Wanted::Auto => match Gpu::new(options) {
+                Ok(gpu) => Ok(Machine::Gpu(Box::new(gpu))),
+                Err(GpuError::NoAdapter) => Ok(Machine::Cpu),
+                Err(error) => Err(error),
+            },
+        }
+    }
+
+    /// Which machine it is, for people.
+    pub fn describe(&self) -> String {
+        match self {
+            Machine::Gpu(gpu) => {
+                let info = gpu.info();
+                let kind = if info.software { ", a software adapter" } else { "" };
+                format!("GPU {} ({}{kind})", info.name, info.backend)
+            }
+            Machine::Cpu => "CPU twin".into(),
+            Machine::Oracle(_) => "oracle, double precision".into(),
+        }
+    }
+}
+
+/// A program with the scene it may look at.
+#[derive(Clone, Copy)]
+pub struct Job<'a> {
+    pub checked: &'a Checked,
+    pub compiled: &'a Compiled,
+    pub scene: Option<&'a Scene>,
+}
+
+impl Job<'_> {
+    /// Value of a value entry.
+    pub fn run(
+        &self,
+        machine: &Machine,
+        args: &[Value],
+        config: &Config,
+    ) -> Result<(Value, Stats), RunError> {
+        let module = &self.checked.module;
+        let back = &self.compiled.back;
+        let (words, stats) = match machine {
+            Machine::Oracle(precision) => {
+                let started = std::time::Instant::now();
+                let value = oracle::evaluate(
+                    module,
+                    self.compiled.entry,
+                    args,
+                    &self.oracle_options(*precision, config),
+                    self.world(),
+                )?;
+                return Ok((value, Stats { total: started.elapsed(), ..Stats::default() }));
+            }
+            Machine::Cpu => {
+                let stream = stream::initial(&back.table, back.entry, &self.constants(args)?);
+                Twin::new(&back.table)?.run(&stream, config, self.world())?
+            }
+            Machine::Gpu(gpu) => {
+                let mut engine = self.engine(gpu, config, 0)?;
+                let outcome = engine.run(&self.stream(args)?)?;
+                (outcome.words, gpu_stats(&outcome.stats))
+            }
+        };
+        Ok((Value::unflatten(&words, &self.compiled.result, module)?, stats))
+    }
+
+    /// Picture of an image entry.
+    pub fn render(
+        &self,
+        machine: &Machine,
+        (width, height): (u32, u32),
+        config: &Config,
+    ) -> Result<(Image, Stats), RunError> {
+        let module = &self.checked.module;
+        let back = &self.compiled.back;
+        let components = self.compiled.result_words(module);
+        let (data, stats) = match machine {
+            Machine::Oracle(precision) => {
+                let started = std::time::Instant::now();
+                let options = self.oracle_options(*precision, config);
+                let wide =
+                    oracle::render(module, self.compiled.entry, (width, height), &options, self.world())?;
+                let data = wide.into_iter().map(|x| x as f32).collect();
+                (data, Stats { total: started.elapsed(), ..Stats::default() })
+            }
+            Machine::Cpu => {
+                let twin = Twin::new(&back.table)?;
+                twin.render((width, height), components, back.entry, config, self.world())?
+            }
+            Machine::Gpu(gpu) => {
+                let mut engine = self.engine(gpu, config, components)?;
+                let frame = engine.render(width, height, back.entry.0)?;
+                (frame.words, gpu_stats(&frame.stats))
+            }
+        };
+        let image =
+            Image::new(width, height, components, data).map_err(|e| RunError::Internal(e.to_string()))?;
+        Ok((image, stats))
+    }
+
+    /// The program's kernels on a device, for repeated runs.
+    pub fn engine(&self, gpu: &Gpu, config: &Config, components: u32) -> Result<gpu::Engine, RunError> {
+        let intrinsics = &self.compiled.back.wgsl.intrinsics;
+        let (prelude, scene) = match self.scene {
+            Some(scene) if !intrinsics.is_empty() => {
+                let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
+                    .map_err(|e| RunError::Device(e.to_string()))?;
+                let layout = GpuTerrain::layout(&gpu.device);
+                let group = terrain.bind_group(&gpu.device, &layout);
+                let text = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
+                (text, Some(gpu::Scene { layout, group }))
+            }
+            _ => (String::new(), None),
+        };
+        let code = self.code(prelude);
+        Ok(gpu::Engine::with_components(gpu, code, gpu_config(config), scene, components)?)
+    }
+
+    fn code(&self, prelude: String) -> gpu::Code {
+        let back = &self.compiled.back;
+        let tasks = &back.table.tasks;
+        gpu::Code {
+            functions: back.wgsl.text.clone(),
+            has_shade: back.wgsl.has_shade,
+            arities: tasks.iter().map(|t| t.arity()).collect(),
+            longest_emission: back.table.longest_emission(),
+            names: tasks.iter().map(|t| t.function.clone()).collect(),
+            prelude,
+            live_words: back.core.live.iter().map(|(_, scalars)| scalars.len() as u32).sum(),
+        }
+    }
+
+    /// Initial stream as the GPU takes it.
+    pub fn stream(&self, args: &[Value]) -> Result<Vec<(u32, bool)>, RunError> {
+        let back = &self.compiled.back;
+        let stream = stream::initial(&back.table, back.entry, &self.constants(args)?);
+        let token = |token: &Token<Const>| match token {
+            Token::Literal(constant) => (constant.word(), false),
+            Token::Function(task) => (task.0, true),
+        };
+        Ok(stream.iter().map(token).collect())
+    }
+
+    /// Arguments as constants of the entry's parameters.
+    pub fn constants(&self, args: &[Value]) -> Result<Vec<Const>, RunError> {
+        let module = &self.checked.module;
+        let mut constants = Vec::new();
+        for (value, ty) in args.iter().zip(&self.compiled.params) {
+            let scalars: Vec<Scalar> = layout::scalars(module, ty)
+                .ok_or_else(|| RunError::Internal("an entry takes a function".into()))?;
+            let words = value.flatten(ty, module)?;
+            constants.extend(scalars.iter().zip(words).map(|(s, w)| Const::from_word(*s, w)));
+        }
+        Ok(constants)
+    }
+
+    fn world(&self) -> Option<&dyn World> {
+        self.scene.map(|scene| scene as &dyn World)
+    }
+
+    fn oracle_options(&self, precision: oracle::Precision, config: &Config) -> OracleOptions {
+        let set = self.compiled.settings.set.iter().map(|(id, s)| (*id, s.value.clone())).collect();
+        OracleOptions {
+            precision,
+            timeout: config.timeout,
+            max_steps: config.max_rewrites,
+            max_memory: config.max_memory,
+            set,
+            threads: config.threads,
+        }
+    }
+}
+
+/// Value of a closed expression such as a command-line argument.
+pub fn evaluate_argument(
+    checked: &Checked,
+    value: typed::Expr,
+    locals: Vec<typed::Local>,
+    ty: &Type,
+) -> Result<Value, RunError> {
+    let mut module = checked.module.clone();
+    let span = value.span;
+    module.functions.push(Function {
+        name: "argument".into(),
+        generics: Vec::new(),
+        params: Vec::new(),
+        result: ty.clone(),
+        locals,
+        body: value,
+        attributes: Default::default(),
+        library: false,
+        span,
+    });
+    let id = FunctionId(module.functions.len() as u32 - 1);
+    oracle::evaluate(&module, id, &[], &OracleOptions::default(), None)
+}
+
+fn gpu_config(config: &Config) -> gpu::Config {
+    gpu::Config {
+        rewriter: match config.rewriter {
+            Rewriter::Auto => gpu::Rewriter::Auto,
+            Rewriter::Block => gpu::Rewriter::Block,
+            Rewriter::Lane => gpu::Rewriter::Lane,
+        },
+        depth: config.depth,
+        block: config.block,
+        threads: config.threads.map(|n| n as u32),
+        max_memory: config.max_memory,
+        max_rewrites: config.max_rewrites,
+        timeout: config.timeout,
+        trusted: config.trusted,
+    }
+}
+
+fn gpu_stats(gpu: &gpu::Stats) -> Stats {
+    Stats {
+        rounds: gpu.rounds,
+        rewrites: gpu.rewrites,
+        tokens_moved: gpu.moved,
+        peak_memory: gpu.arena_bytes,
+        dispatches: gpu.dispatches,
+        submissions: gpu.submissions,
+        suspended: gpu.suspended,
+        compiling: gpu.compiling,
+        total: gpu.time,
+        ..Stats::default()
+    }
+}

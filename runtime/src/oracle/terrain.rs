@@ -1,0 +1,156 @@
+//! Terrain and scene built-ins, asked of the world.
+
+use ghyll_compiler::builtins::Builtin;
+use ghyll_compiler::core::{Intrinsic, Scalar};
+use ghyll_compiler::typed::{Expr, ExprKind, LocalId};
+
+use super::datum::{Callable, Datum, Frame};
+use super::evaluator::Evaluator;
+use super::float::Precision;
+use crate::error::RunError;
+
+/// Built-ins that are one intrinsic.
+const PLAIN: &[(Builtin, Intrinsic)] = &[
+    (Builtin::Extent, Intrinsic::Extent),
+    (Builtin::Texel, Intrinsic::Texel),
+    (Builtin::Relief, Intrinsic::Relief),
+    (Builtin::Nearest, Intrinsic::Nearest),
+    (Builtin::Triangulated, Intrinsic::Triangulated),
+    (Builtin::Bilinear, Intrinsic::Bilinear),
+    (Builtin::SunDir, Intrinsic::SunDir),
+    (Builtin::SunColor, Intrinsic::SunColor),
+    (Builtin::Camera, Intrinsic::Camera),
+    (Builtin::PixelWidth, Intrinsic::PixelWidth),
+];
+
+/// Built-ins that take a surface, by surface.
+const ON_SURFACES: &[(Builtin, Builtin, Intrinsic)] = &[
+    (Builtin::Trace, Builtin::Triangulated, Intrinsic::TraceTriangulated),
+    (Builtin::Trace, Builtin::Bilinear, Intrinsic::TraceBilinear),
+    (Builtin::Occluded, Builtin::Triangulated, Intrinsic::OccludedTriangulated),
+    (Builtin::Occluded, Builtin::Bilinear, Intrinsic::OccludedBilinear),
+    (Builtin::Gradient, Builtin::Triangulated, Intrinsic::GradientTriangulated),
+    (Builtin::Gradient, Builtin::Bilinear, Intrinsic::GradientBilinear),
+];
+
+pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
+    if let Some((_, intrinsic)) = PLAIN.iter().find(|(row, _)| *row == b) {
+        let values = ask(oracle, *intrinsic, args)?;
+        return Ok(shape(b, *intrinsic, &values));
+    }
+    let Some(Datum::Function(f)) = args.first() else {
+        return Err(RunError::Unsupported(format!("`{}` in the oracle", b.name())));
+    };
+    let surface = sampler(oracle, f)?;
+    let row = ON_SURFACES.iter().find(|(row, on, _)| *row == b && Some(*on) == surface);
+    let (.., intrinsic) = row.ok_or_else(|| unsupported_surface(b))?;
+    let values = ask(oracle, *intrinsic, &args[1..])?;
+    Ok(shape(b, *intrinsic, &values))
+}
+
+fn unsupported_surface(b: Builtin) -> RunError {
+    let what = b.name().trim_start_matches('_');
+    RunError::Unsupported(format!(
+        "`{what}` in the oracle on a surface other than `triangulated` or `bilinear`"
+    ))
+}
+
+/// The exact derivative of `f` at `p`, if `f` is a sampler of the height field.
+pub fn gradient_of<'m>(
+    oracle: &mut Evaluator<'m>,
+    f: &Callable<'m>,
+    p: &Datum<'m>,
+) -> Result<Option<Datum<'m>>, RunError> {
+    let Some(surface) = sampler(oracle, f)? else { return Ok(None) };
+    let row = ON_SURFACES.iter().find(|(row, on, _)| *row == Builtin::Gradient && *on == surface);
+    let Some((.., intrinsic)) = row else { return Ok(None) };
+    let values = ask(oracle, *intrinsic, std::slice::from_ref(p))?;
+    Ok(Some(Datum::vec(&values)))
+}
+
+/// Results of an intrinsic for arguments laid out one after the other.
+fn ask<'m>(oracle: &Evaluator<'m>, intrinsic: Intrinsic, args: &[Datum<'m>]) -> Result<Vec<f64>, RunError> {
+    let world = oracle.world.ok_or_else(|| {
+        RunError::Unsupported(format!("`{}` without a terrain; name one with --dem", intrinsic.name()))
+    })?;
+    let mut operands = Vec::new();
+    for arg in args {
+        operands.extend_from_slice(arg.floats()?.slice());
+    }
+    let mut results = vec![0.0; intrinsic.results().len()];
+    match oracle.precision {
+        Precision::F64 => world.eval_f64(intrinsic, &operands, &mut results),
+        Precision::F32 => {
+            let words: Vec<u32> = operands.iter().map(|x| (*x as f32).to_bits()).collect();
+            let mut out = vec![0; results.len()];
+            world.eval_f32(intrinsic, &words, &mut out);
+            for ((to, word), scalar) in results.iter_mut().zip(out).zip(intrinsic.results()) {
+                *to = match scalar {
+                    Scalar::Bool => (word != 0) as u32 as f64,
+                    Scalar::I32 => word as i32 as f64,
+                    Scalar::U32 => word as f64,
+                    Scalar::F32 => f32::from_bits(word) as f64,
+                };
+            }
+        }
+    }
+    Ok(results)
+}
+
+/// The built-in's result type from the words of its intrinsic.
+fn shape<'m>(b: Builtin, intrinsic: Intrinsic, values: &[f64]) -> Datum<'m> {
+    match (b, values) {
+        (Builtin::Trace, [hit, distance]) => {
+            Datum::Fields([Datum::Bool(*hit != 0.0), Datum::F32(*distance)].into())
+        }
+        (Builtin::Camera, [ox, oy, oz, dx, dy, dz, near, far]) => Datum::Fields(
+            [Datum::vec(&[*ox, *oy, *oz]), Datum::vec(&[*dx, *dy, *dz]), Datum::F32(*near), Datum::F32(*far)]
+                .into(),
+        ),
+        (_, [one]) => match intrinsic.results()[0] {
+            Scalar::Bool => Datum::Bool(*one != 0.0),
+            _ => Datum::F32(*one),
+        },
+        (_, all) => Datum::vec(all),
+    }
+}
+
+/// The sampler that a surface is, seen through functions that only pass their argument on.
+fn sampler<'m>(oracle: &mut Evaluator<'m>, f: &Callable<'m>) -> Result<Option<Builtin>, RunError> {
+    let (body, params, mut frame): (&'m Expr, &'m [LocalId], Frame<'m>) = match f {
+        Callable::Builtin(b) => {
+            let known = [Builtin::Nearest, Builtin::Triangulated, Builtin::Bilinear].contains(b);
+            return Ok(known.then_some(*b));
+        }
+        Callable::Function(id, types) => {
+            let function = &oracle.module.functions[id.0 as usize];
+            let frame = Frame::new(function.locals.len(), types.clone(), &function.name);
+            (&function.body, &function.params, frame)
+        }
+        Callable::Lambda(lambda) => (lambda.body, lambda.params, lambda.frame.clone()),
+        _ => return Ok(None),
+    };
+    let body = match &body.kind {
+        ExprKind::Block(lets, value) if lets.is_empty() => value,
+        _ => body,
+    };
+    let ExprKind::Call(callee, args) = &body.kind else { return Ok(None) };
+    let passes_on =
+        matches!((params, args.as_slice()), ([p], [Expr { kind: ExprKind::Local(arg), .. }]) if p == arg);
+    let named = matches!(
+        callee.kind,
+        ExprKind::Builtin(_)
+            | ExprKind::Function(..)
+            | ExprKind::Local(_)
+            | ExprKind::Param(_)
+            | ExprKind::Const(_)
+    );
+    let recursive =
+        matches!((&callee.kind, f), (ExprKind::Function(a, _), Callable::Function(b, _)) if a == b);
+    if !passes_on || !named || recursive {
+        return Ok(None);
+    }
+    oracle.tick()?;
+    let inner = oracle.eval(callee, &mut frame)?.function()?;
+    sampler(oracle, &inner)
+}

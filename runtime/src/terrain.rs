@@ -1,0 +1,27 @@
+//! The height field and everything that is asked of it: reading elevation data, the scene with camera and sun,
+//! surfaces, exact intersection. The maximum mipmap is that of the paper's section 3.1 (Tevs, Ihrke, Seidel 2008).
+//!
+//! A sample is stored as a raw number; its height is `raw * scale + offset`. Integer data stays 16 bits wide, and
+//! rays are carried into raw units instead of heights out of them.
+
+pub mod dem;
+mod exact;
+mod field;
+mod intrinsics;
+pub mod layout;
+mod patch;
+pub mod pyramid;
+mod ray;
+pub mod scene;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod view;
+mod walk;
+pub mod wgsl;
+
+pub use dem::{DemError, DemOptions, Encoding, Voids};
+pub use field::{Georeference, Samples, Terrain, VOID_F32, VOID_I16};
+pub use pyramid::Pyramid;
+pub use scene::{Scene, SceneError, SceneOptions, Sun};
+pub use view::{Camera, NamedView, View};

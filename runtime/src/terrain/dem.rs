@@ -1,0 +1,185 @@
+//! Elevation data from files. One format a file in `dem/`; this one finds the format, and holds the limits that are
+//! checked before memory is asked for.
+
+mod error;
+mod geo;
+mod geotiff;
+mod grid;
+mod hgt;
+mod npy;
+mod png;
+mod raw;
+mod text;
+
+pub use error::DemError;
+
+use super::field::Terrain;
+use std::io::Read;
+use std::path::Path;
+
+/// More samples than this are refused.
+pub const MAX_SAMPLES: u64 = 1 << 29;
+/// Larger files are refused.
+const MAX_FILE: u64 = 1 << 32;
+/// No supported compression packs tighter than this.
+const MAX_RATIO: u64 = 2048;
+
+/// How an image holds heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    Grey,
+    /// `R * 256 + G + B / 256 - 32768` metres.
+    Terrarium,
+    /// `-10000 + (R * 65536 + G * 256 + B) / 10` metres.
+    TerrainRgb,
+}
+
+impl Encoding {
+    pub const ALL: &'static [(&'static str, Encoding)] = &[
+        ("grey", Encoding::Grey),
+        ("terrarium", Encoding::Terrarium),
+        ("terrain-rgb", Encoding::TerrainRgb),
+    ];
+}
+
+/// What becomes of missing samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Voids {
+    /// Rays pass through.
+    #[default]
+    Hole,
+    /// Filled from the rim inwards.
+    Fill,
+}
+
+/// What a file may leave open.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DemOptions {
+    /// Metres between samples, eastwards and northwards; overrides the file's. Images and arrays without units have 1.
+    pub spacing: Option<[f64; 2]>,
+    /// Heights in metres that black and white stand for in a grey image; without it the stored numbers are metres.
+    pub heights: Option<[f64; 2]>,
+    /// How a PNG holds heights; grey images need none.
+    pub encoding: Option<Encoding>,
+    pub voids: Voids,
+}
+
+type Reader = fn(&str, &[u8], &DemOptions) -> Result<Terrain, DemError>;
+
+/// Formats by their first bytes, then by the name's ending.
+const MAGIC: &[(&[u8], Reader)] = &[
+    (b"II*\0", geotiff::read),
+    (b"MM\0*", geotiff::read),
+    (b"II+\0", geotiff::read),
+    (b"MM\0+", geotiff::read),
+    (b"\x89PNG\r\n\x1a\n", png::read),
+    (b"\x93NUMPY", npy::read),
+];
+const ENDINGS: &[(&str, Reader)] = &[
+    ("tif", geotiff::read),
+    ("tiff", geotiff::read),
+    ("png", png::read),
+    ("npy", npy::read),
+    ("hgt", hgt::read),
+    ("asc", text::read),
+    ("f32", raw::read),
+    ("raw", raw::read),
+    ("bin", raw::read),
+];
+
+pub(super) fn open(path: &Path, options: &DemOptions) -> Result<Terrain, DemError> {
+    let file = path.display().to_string();
+    let unreadable = |source| DemError::Unreadable { file: file.clone(), source };
+    let about = std::fs::metadata(path).map_err(unreadable)?;
+    if !about.is_file() {
+        return Err(DemError::unsupported(
+            &file,
+            "it is not a regular file",
+            "give a file of elevation data",
+        ));
+    }
+    if about.len() > MAX_FILE {
+        return Err(DemError::TooLarge { file, what: format!("it has {} bytes", about.len()) });
+    }
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    read(&file, &bytes, options)
+}
+
+/// Reads a DEM from memory; `file` names it in messages, and its ending and base name count as a file's.
+pub fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
+    let mut terrain = if bytes.starts_with(&[0x1f, 0x8b]) {
+        let plain = inflate(file, bytes)?;
+        let inner = file.strip_suffix(".gz").unwrap_or(file);
+        read_plain(inner, &plain, options)?
+    } else {
+        read_plain(file, bytes, options)?
+    };
+    if options.voids == Voids::Fill {
+        terrain.fill_voids();
+    }
+    Ok(terrain)
+}
+
+fn read_plain(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
+    if bytes.is_empty() {
+        return Err(DemError::truncated(file, "it is empty"));
+    }
+    let ending =
+        Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let by_magic = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, read)| read);
+    let by_name = || ENDINGS.iter().find(|(e, _)| *e == ending).map(|(_, read)| read);
+    match by_magic.or_else(by_name) {
+        Some(read) => read(file, bytes, options),
+        None => Err(DemError::UnknownFormat { file: file.to_owned() }),
+    }
+}
+
+fn inflate(file: &str, bytes: &[u8]) -> Result<Vec<u8>, DemError> {
+    let limit = (bytes.len() as u64).saturating_mul(MAX_RATIO).min(MAX_FILE);
+    let mut plain = Vec::new();
+    let mut reader = flate2::read::MultiGzDecoder::new(bytes).take(limit + 1);
+    reader
+        .read_to_end(&mut plain)
+        .map_err(|e| DemError::truncated(file, format!("its gzip data is damaged ({e})")))?;
+    if plain.len() as u64 > limit {
+        return Err(DemError::TooLarge { file: file.to_owned(), what: "it unpacks to too much".to_owned() });
+    }
+    Ok(plain)
+}
+
+/// A field needs a cell, and has to fit in memory.
+pub(super) fn check_shape(file: &str, width: u64, height: u64) -> Result<(), DemError> {
+    if width < 2 || height < 2 {
+        let what = format!("it has {width} x {height} samples");
+        return Err(DemError::unsupported(file, what, "a surface needs at least 2 x 2 samples"));
+    }
+    if width > 1 << 17 || height > 1 << 17 || width * height > MAX_SAMPLES {
+        let what = format!("it has {width} x {height} samples");
+        return Err(DemError::TooLarge { file: file.to_owned(), what });
+    }
+    Ok(())
+}
+
+pub(super) fn check_spacing(file: &str, spacing: [f64; 2]) -> Result<(), DemError> {
+    let fits = |d: f64| d.is_finite() && (1e-6..=1e7).contains(&d);
+    if spacing.into_iter().all(fits) {
+        return Ok(());
+    }
+    let what = format!("its samples are {} x {} m apart", spacing[0], spacing[1]);
+    Err(DemError::unsupported(file, what, "give --spacing dx,dy in metres"))
+}
+
+/// Checks a declared shape against the bytes that have to hold it.
+fn check_claim(file: &str, shape: (u64, u64), sample: u64, held: u64, packed: bool) -> Result<(), DemError> {
+    check_shape(file, shape.0, shape.1)?;
+    let needed = shape.0 * shape.1 * sample;
+    let most = if packed { held.saturating_mul(MAX_RATIO) } else { held };
+    if needed > most {
+        let what = format!("{} x {} samples do not fit in its {held} bytes", shape.0, shape.1);
+        return Err(DemError::truncated(file, what));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

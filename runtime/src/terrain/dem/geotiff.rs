@@ -1,0 +1,196 @@
+//! GeoTIFF: strips and tiles, the compressions and predictors of the `tiff` crate, GDAL's nodata tag, and the
+//! georeference of the GeoTIFF standard (OGC 19-008).
+
+use super::geo::metres_per_degree;
+use super::grid::{Grid, Values};
+use super::{DemError, DemOptions, check_claim};
+use crate::terrain::field::{Georeference, Terrain};
+use std::io::Cursor;
+use tiff::ColorType;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+
+const GDAL_NODATA: Tag = Tag::Unknown(42113);
+
+/// Keys of the GeoKey directory.
+const MODEL_TYPE: u16 = 1024;
+const RASTER_TYPE: u16 = 1025;
+const GEOGRAPHIC_CRS: u16 = 2048;
+const PROJECTED_CRS: u16 = 3072;
+const LINEAR_UNITS: u16 = 3076;
+
+/// Metres in the linear units that occur, by EPSG code.
+const UNITS: &[(u16, f64)] = &[(9001, 1.0), (9002, 0.3048), (9003, 1200.0 / 3937.0), (9036, 1000.0)];
+
+type Tiff<'a> = Decoder<Cursor<&'a [u8]>>;
+
+pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
+    let bad = |e: tiff::TiffError| explain(file, e);
+    let mut tiff = Decoder::new(Cursor::new(bytes)).map_err(bad)?;
+    let (width, height) = tiff.dimensions().map_err(bad)?;
+    let bits = match tiff.colortype().map_err(bad)? {
+        ColorType::Gray(bits) => bits,
+        other => {
+            let what = format!("its pixels are {other:?}, not one number each");
+            return Err(DemError::unsupported(file, what, "give a single-band GeoTIFF of heights"));
+        }
+    };
+    let sample = u64::from(bits).div_ceil(8);
+    let packed = tiff.find_tag_unsigned::<u16>(Tag::Compression).map_err(bad)?.unwrap_or(1) != 1;
+    check_claim(file, (width.into(), height.into()), sample, bytes.len() as u64, packed)?;
+
+    let size = (u64::from(width) * u64::from(height) * sample) as usize;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = size.saturating_mul(2).max(1 << 20);
+    limits.intermediate_buffer_size = size.saturating_mul(2).max(1 << 20);
+    limits.ifd_value_size = bytes.len();
+    let mut tiff = tiff.with_limits(limits);
+    let nodata = nodata(file, &mut tiff)?;
+    let place = place(&mut tiff);
+    let (values, kind) = match tiff.read_image().map_err(bad)? {
+        DecodingResult::I8(v) => (Values::I16(v.into_iter().map(i16::from).collect()), "int8"),
+        DecodingResult::U8(v) => (Values::I16(v.into_iter().map(i16::from).collect()), "uint8"),
+        DecodingResult::I16(v) => (Values::I16(v), "int16"),
+        DecodingResult::U16(v) => (Values::U16(v), "uint16"),
+        DecodingResult::I32(v) => (Values::Int(v.into_iter().map(i64::from).collect()), "int32"),
+        DecodingResult::U32(v) => (Values::Int(v.into_iter().map(i64::from).collect()), "uint32"),
+        DecodingResult::F32(v) => (Values::F32(v), "float32"),
+        DecodingResult::F64(v) => (Values::F64(v), "float64"),
+        _ => {
+            let mend = "convert it to int16 or float32";
+            return Err(DemError::unsupported(file, format!("its samples have {bits} bits"), mend));
+        }
+    };
+    let place = place.unwrap_or_default();
+    let spacing = match (options.spacing, place.spacing(height)) {
+        (Some(spacing), _) => spacing,
+        (None, Some(spacing)) => spacing,
+        (None, None) => {
+            return Err(DemError::unsupported(
+                file,
+                "it has no georeference",
+                "give --spacing dx,dy in metres",
+            ));
+        }
+    };
+    Grid {
+        width,
+        height,
+        values,
+        nodata,
+        scale: 1.0,
+        offset: 0.0,
+        spacing,
+        crs: place.georeference(height),
+        format: format!("GeoTIFF {kind}"),
+        south_first: place.south_first,
+    }
+    .terrain(file)
+}
+
+/// The file's fault or ours.
+fn explain(file: &str, error: tiff::TiffError) -> DemError {
+    match error {
+        tiff::TiffError::UnsupportedError(what) => {
+            let mend = "rewrite it uncompressed, or with deflate, LZW or packbits compression";
+            DemError::unsupported(file, what, mend)
+        }
+        tiff::TiffError::LimitsExceeded => {
+            DemError::lying(file, "its tags or strips are larger than its picture")
+        }
+        other => DemError::truncated(file, other),
+    }
+}
+
+fn nodata(file: &str, tiff: &mut Tiff) -> Result<Option<f64>, DemError> {
+    let Ok(text) = tiff.get_tag_ascii_string(GDAL_NODATA) else { return Ok(None) };
+    let text = text.trim_matches(['\0', ' ']);
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let value = text.parse().map_err(|_| DemError::lying(file, format!("its nodata value is `{text}`")))?;
+    Ok(Some(value))
+}
+
+/// Georeference as the tags state it.
+#[derive(Default)]
+struct Place {
+    /// In units of the reference system, positive.
+    step: Option<[f64; 2]>,
+    /// Centre of the first sample.
+    first: [f64; 2],
+    south_first: bool,
+    geographic: bool,
+    epsg: Option<u32>,
+    /// Metres in a unit of a projected system.
+    unit: f64,
+}
+
+impl Place {
+    /// Latitude or northing of the northern row.
+    fn north(&self, height: u32) -> f64 {
+        let step = self.step.map_or(0.0, |s| s[1]);
+        if self.south_first { self.first[1] + f64::from(height - 1) * step } else { self.first[1] }
+    }
+
+    fn spacing(&self, height: u32) -> Option<[f64; 2]> {
+        let step = self.step?;
+        if !self.geographic {
+            return Some(step.map(|s| s * self.unit));
+        }
+        let middle = self.north(height) - 0.5 * f64::from(height - 1) * step[1];
+        let [east, north] = metres_per_degree(middle.clamp(-89.9, 89.9));
+        Some([step[0] * east, step[1] * north])
+    }
+
+    fn georeference(&self, height: u32) -> Option<Georeference> {
+        let step = self.step?;
+        Some(Georeference {
+            epsg: self.epsg,
+            geographic: self.geographic,
+            north_west: [self.first[0], self.north(height)],
+            step,
+        })
+    }
+}
+
+fn place(tiff: &mut Tiff) -> Option<Place> {
+    // Sample (i, j) lies at origin + step * (i, j), the step pointing east and, normally, south.
+    let (origin, step) = if let Ok(scale) = tiff.get_tag_f64_vec(Tag::ModelPixelScaleTag) {
+        let tie = tiff.get_tag_f64_vec(Tag::ModelTiepointTag).ok()?;
+        let (&[sx, sy, ..], &[i, j, _, x, y, ..]) = (scale.as_slice(), tie.as_slice()) else { return None };
+        ([x - i * sx, y + j * sy], [sx, -sy])
+    } else {
+        let matrix = tiff.get_tag_f64_vec(Tag::ModelTransformationTag).ok()?;
+        let &[a, b, _, x, d, e, _, y, ..] = matrix.as_slice() else { return None };
+        if b != 0.0 || d != 0.0 {
+            return None;
+        }
+        ([x, y], [a, e])
+    };
+    let sound = origin.iter().chain(&step).all(|v| v.is_finite()) && step[0] > 0.0 && step[1] != 0.0;
+    if !sound {
+        return None;
+    }
+    let directory = tiff.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
+    let key = |id: u16| {
+        let mut rows = directory.chunks_exact(4).skip(1);
+        rows.find(|row| row[0] == id && row[1] == 0).map(|row| row[3])
+    };
+    let code = |id: u16| key(id).filter(|c| *c != 0 && *c != 32767).map(u32::from);
+    let geographic = match key(MODEL_TYPE) {
+        Some(model) => model == 2,
+        None => code(GEOGRAPHIC_CRS).is_some() && code(PROJECTED_CRS).is_none(),
+    };
+    let half = if key(RASTER_TYPE) == Some(2) { 0.0 } else { 0.5 };
+    let unit =
+        key(LINEAR_UNITS).and_then(|u| UNITS.iter().find(|(code, _)| *code == u)).map_or(1.0, |(_, m)| *m);
+    Some(Place {
+        step: Some([step[0], step[1].abs()]),
+        first: [origin[0] + half * step[0], origin[1] + half * step[1]],
+        south_first: step[1] > 0.0,
+        geographic,
+        epsg: if geographic { code(GEOGRAPHIC_CRS) } else { code(PROJECTED_CRS) },
+        unit,
+    })
+}

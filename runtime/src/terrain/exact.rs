@@ -1,0 +1,210 @@
+//! The oracle's terrain: double precision, no pyramid, nothing shared with the walk. A ray is cut at every grid plane
+//! it crosses, the pieces are sorted, and each is intersected with the patch of its cell.
+
+use super::field::Terrain;
+use super::layout::SceneUniform;
+use super::ray::WorldRay;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Surface {
+    Nearest,
+    Triangulated,
+    Bilinear,
+}
+
+/// The field as the scene has rounded it.
+pub(super) struct Field<'a> {
+    terrain: &'a Terrain,
+    spacing: [f64; 2],
+    exaggerate: f64,
+    low: f64,
+    high: f64,
+}
+
+/// Heights of a cell's corners in metres.
+struct Corners {
+    sw: f64,
+    se: f64,
+    nw: f64,
+    ne: f64,
+}
+
+impl<'a> Field<'a> {
+    pub fn new(terrain: &'a Terrain, scene: &SceneUniform, exaggerate: f64) -> Field<'a> {
+        Field {
+            terrain,
+            spacing: scene.spacing.map(f64::from),
+            exaggerate,
+            low: terrain.min * exaggerate,
+            high: terrain.max * exaggerate,
+        }
+    }
+
+    fn cells(&self) -> [f64; 2] {
+        [f64::from(self.terrain.width - 1), f64::from(self.terrain.height - 1)]
+    }
+
+    fn sample(&self, c: u32, r: u32) -> Option<f64> {
+        Some(self.terrain.sample(c, r)? * self.exaggerate)
+    }
+
+    fn corners(&self, i: u32, j: u32) -> Option<Corners> {
+        Some(Corners {
+            sw: self.sample(i, j)?,
+            se: self.sample(i + 1, j)?,
+            nw: self.sample(i, j + 1)?,
+            ne: self.sample(i + 1, j + 1)?,
+        })
+    }
+
+    /// Cell under grid position (x, y).
+    fn cell(&self, x: f64, y: f64) -> (u32, u32) {
+        let index = |g: f64, n: u32| (g.floor().max(0.0) as u32).min(n - 2);
+        (index(x, self.terrain.width), index(y, self.terrain.height))
+    }
+
+    /// Corners of the cell under world position (x, y) and the position in it.
+    fn locate(&self, x: f64, y: f64) -> (Corners, f64, f64) {
+        let gx = (x / self.spacing[0]).max(0.0).min(self.cells()[0]);
+        let gy = (y / self.spacing[1]).max(0.0).min(self.cells()[1]);
+        let (i, j) = self.cell(gx, gy);
+        let flat = Corners { sw: self.low, se: self.low, nw: self.low, ne: self.low };
+        (self.corners(i, j).unwrap_or(flat), gx - f64::from(i), gy - f64::from(j))
+    }
+
+    pub fn height(&self, surface: Surface, x: f64, y: f64) -> f64 {
+        let (c, u, v) = self.locate(x, y);
+        match surface {
+            Surface::Bilinear => bilinear(&c, u, v),
+            Surface::Triangulated => triangulated(&c, u, v),
+            Surface::Nearest => {
+                let column = |g: f64, n: f64| (g + 0.5).floor().max(0.0).min(n) as u32;
+                let [nx, ny] = self.cells();
+                let at = (column(x / self.spacing[0], nx), column(y / self.spacing[1], ny));
+                self.sample(at.0, at.1).unwrap_or(self.low)
+            }
+        }
+    }
+
+    /// Metres per metre.
+    pub fn gradient(&self, surface: Surface, x: f64, y: f64) -> [f64; 2] {
+        let (c, u, v) = self.locate(x, y);
+        let [east, north] = match surface {
+            Surface::Nearest => [0.0, 0.0],
+            Surface::Bilinear => {
+                [(1.0 - v) * (c.se - c.sw) + v * (c.ne - c.nw), (1.0 - u) * (c.nw - c.sw) + u * (c.ne - c.se)]
+            }
+            Surface::Triangulated if u >= v => [c.se - c.sw, c.ne - c.se],
+            Surface::Triangulated => [c.ne - c.nw, c.nw - c.sw],
+        };
+        [east / self.spacing[0], north / self.spacing[1]]
+    }
+
+    /// First t in [near, far] where the ray is over the field and on or under the surface.
+    pub fn trace(&self, surface: Surface, ray: &WorldRay<f64>) -> Option<f64> {
+        let WorldRay { origin, dir, near, far } = *ray;
+        if origin.iter().chain(&dir).any(|x| !x.is_finite()) {
+            return None;
+        }
+        // Nothing lies above the highest sample; bounding an endless ray keeps the arithmetic finite.
+        let (mut from, mut to) = (near.max(-1e15), far.min(1e15));
+        let grid = |axis: usize, t: f64| (origin[axis] + t * dir[axis]) / self.spacing[axis];
+        for axis in 0..2 {
+            let size = self.cells()[axis] * self.spacing[axis];
+            if dir[axis] == 0.0 {
+                if origin[axis] < 0.0 || origin[axis] > size {
+                    return None;
+                }
+            } else {
+                let a = (0.0 - origin[axis]) / dir[axis];
+                let b = (size - origin[axis]) / dir[axis];
+                from = from.max(a.min(b));
+                to = to.min(a.max(b));
+            }
+        }
+        if dir[2] > 0.0 {
+            to = to.min((self.high + 1e-6 - origin[2]) / dir[2]);
+        }
+        if !(from <= to) {
+            return None;
+        }
+
+        // Cut at the planes.
+        let mut cuts = vec![from, to];
+        for axis in 0..2 {
+            if dir[axis] != 0.0 {
+                let (a, b) = (grid(axis, from), grid(axis, to));
+                let first = (a.min(b).floor().max(0.0)) as u64;
+                let last = (a.max(b).ceil().max(0.0)).min(self.cells()[axis]) as u64;
+                let plane = |i: u64| (i as f64 * self.spacing[axis] - origin[axis]) / dir[axis];
+                cuts.extend((first..=last).map(plane).filter(|t| *t > from && *t < to));
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        let pieces = cuts.windows(2).map(|w| (w[0], w[1]));
+        pieces.into_iter().find_map(|(a, b)| {
+            let middle = 0.5 * (a + b);
+            let (i, j) = self.cell(grid(0, middle), grid(1, middle));
+            let corners = self.corners(i, j)?;
+            let u = [grid(0, a) - f64::from(i), grid(0, b) - f64::from(i)];
+            let v = [grid(1, a) - f64::from(j), grid(1, b) - f64::from(j)];
+            let z = [origin[2] + a * dir[2], origin[2] + b * dir[2]];
+            let share = match surface {
+                Surface::Bilinear => meet_bilinear(&corners, u, v, z),
+                Surface::Triangulated => meet_triangulated(&corners, u, v, z),
+                Surface::Nearest => None,
+            }?;
+            Some(a + share * (b - a))
+        })
+    }
+}
+
+fn bilinear(c: &Corners, u: f64, v: f64) -> f64 {
+    (1.0 - v) * ((1.0 - u) * c.sw + u * c.se) + v * ((1.0 - u) * c.nw + u * c.ne)
+}
+
+fn triangulated(c: &Corners, u: f64, v: f64) -> f64 {
+    if u >= v {
+        c.sw + u * (c.se - c.sw) + v * (c.ne - c.se)
+    } else {
+        c.sw + v * (c.nw - c.sw) + u * (c.ne - c.nw)
+    }
+}
+
+/// First share in [0, 1] of the way where z is on or under the surface: f = z - h is a quadratic of the share.
+fn meet_bilinear(c: &Corners, u: [f64; 2], v: [f64; 2], z: [f64; 2]) -> Option<f64> {
+    let f0 = z[0] - bilinear(c, u[0], v[0]);
+    let f1 = z[1] - bilinear(c, u[1], v[1]);
+    if f0 <= 0.0 {
+        return Some(0.0);
+    }
+    let (du, dv) = (u[1] - u[0], v[1] - v[0]);
+    let a = -(c.sw - c.se - c.nw + c.ne) * du * dv;
+    let b = f1 - f0 - a;
+    if f1 > 0.0 && (a <= 0.0 || b >= 0.0 || b * b < 4.0 * a * f0 || -b > 2.0 * a) {
+        return None;
+    }
+    let root = (b * b - 4.0 * a * f0).max(0.0).sqrt();
+    let share = if b < 0.0 { 2.0 * f0 / (root - b) } else { (b + root) / (-2.0 * a) };
+    Some(share.clamp(0.0, 1.0))
+}
+
+fn meet_triangulated(c: &Corners, u: [f64; 2], v: [f64; 2], z: [f64; 2]) -> Option<f64> {
+    let at = |s: f64| (u[0] + s * (u[1] - u[0]), v[0] + s * (v[1] - v[0]), z[0] + s * (z[1] - z[0]));
+    let f = |s: f64| {
+        let (u, v, z) = at(s);
+        z - triangulated(c, u, v)
+    };
+    let side = [u[0] - v[0], u[1] - v[1]];
+    let mut stops = vec![0.0, 1.0];
+    if side[0] * side[1] < 0.0 {
+        stops.insert(1, side[0] / (side[0] - side[1]));
+    }
+    if f(0.0) <= 0.0 {
+        return Some(0.0);
+    }
+    stops.windows(2).find_map(|w| {
+        let (f0, f1) = (f(w[0]), f(w[1]));
+        (f1 <= 0.0).then(|| w[0] + (w[1] - w[0]) * if f0 > 0.0 { f0 / (f0 - f1) } else { 0.0 })
+    })
+}

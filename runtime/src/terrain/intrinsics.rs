@@ -1,0 +1,161 @@
+//! The intrinsics evaluated on the CPU: in single precision for the twin, in double precision for the oracle.
+
+use super::exact::{Field, Surface};
+use super::field::Samples;
+use super::layout::SceneUniform;
+use super::patch::{Bilinear, Triangulated};
+use super::pyramid::Bounds;
+use super::ray::WorldRay;
+use super::scene::Scene;
+use super::surface;
+use super::walk::{self, Heights, Heights16, Heights32};
+use crate::world::World;
+use ghyll_compiler::intrinsics::Intrinsic;
+
+impl World for Scene {
+    fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
+        Scene::eval_f64(self, intrinsic, args, out);
+    }
+
+    fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
+        Scene::eval_f32(self, intrinsic, args, out);
+    }
+}
+
+impl Scene {
+    /// Evaluates one intrinsic in single precision, with the shaders' arithmetic. Words as in the stream: floats by
+    /// their bits, booleans 0 or 1. `args` and `out` are as long as the intrinsic has parameters and results.
+    pub fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
+        let scene = self.uniform();
+        match (&self.terrain().samples, &self.pyramid().bounds) {
+            (Samples::I16(samples), Bounds::I16(bounds)) => {
+                evaluate(scene, &Heights16 { samples, bounds }, intrinsic, args, out);
+            }
+            (Samples::F32(samples), Bounds::F32(bounds)) => {
+                evaluate(scene, &Heights32 { samples, bounds }, intrinsic, args, out);
+            }
+            _ => unreachable!("a pyramid has the format of its samples"),
+        }
+    }
+
+    /// Evaluates one intrinsic in double precision, brute and independent of the walk. Booleans are 0 or 1.
+    pub fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
+        let uniform = self.uniform();
+        let field = Field::new(self.terrain(), uniform, self.options().exaggerate);
+        let height = |s: Surface| [field.height(s, args[0], args[1])];
+        let trace = |s: Surface| {
+            let found = field.trace(s, &world_ray(args));
+            [f64::from(u8::from(found.is_some())), found.unwrap_or(0.0)]
+        };
+        let give = |out: &mut [f64], values: &[f64]| {
+            let n = out.len().min(values.len());
+            out[..n].copy_from_slice(&values[..n]);
+        };
+        match intrinsic {
+            Intrinsic::Extent => {
+                let [x, y] = [0, 1].map(|a| f64::from(uniform.size[a] - 1) * f64::from(uniform.spacing[a]));
+                give(out, &[x, y]);
+            }
+            Intrinsic::Texel => give(out, &uniform.spacing.map(f64::from)),
+            Intrinsic::Relief => give(out, &uniform.relief.map(f64::from)),
+            Intrinsic::Nearest => give(out, &height(Surface::Nearest)),
+            Intrinsic::Triangulated => give(out, &height(Surface::Triangulated)),
+            Intrinsic::Bilinear => give(out, &height(Surface::Bilinear)),
+            Intrinsic::GradientTriangulated => {
+                give(out, &field.gradient(Surface::Triangulated, args[0], args[1]));
+            }
+            Intrinsic::GradientBilinear => give(out, &field.gradient(Surface::Bilinear, args[0], args[1])),
+            Intrinsic::TraceTriangulated => give(out, &trace(Surface::Triangulated)),
+            Intrinsic::TraceBilinear => give(out, &trace(Surface::Bilinear)),
+            Intrinsic::OccludedTriangulated => give(out, &trace(Surface::Triangulated)[..1]),
+            Intrinsic::OccludedBilinear => give(out, &trace(Surface::Bilinear)[..1]),
+            Intrinsic::Camera => {
+                let (o, d) = self.camera().ray(args[0], args[1]);
+                let (near, far) = (f64::from(uniform.near), f64::from(uniform.far));
+                give(out, &[o.x, o.y, o.z, d.x, d.y, d.z, near, far]);
+            }
+            Intrinsic::PixelWidth => give(out, &self.camera().pixel_width()),
+            Intrinsic::SunDir => give(out, &self.options().sun.dir()),
+            Intrinsic::SunColor => give(out, &self.options().sun.color()),
+        }
+    }
+}
+
+fn world_ray<T: Copy>(args: &[T]) -> WorldRay<T> {
+    WorldRay {
+        origin: [args[0], args[1], args[2]],
+        dir: [args[3], args[4], args[5]],
+        near: args[6],
+        far: args[7],
+    }
+}
+
+fn evaluate<H: Heights>(
+    scene: &SceneUniform,
+    heights: &H,
+    intrinsic: Intrinsic,
+    args: &[u32],
+    out: &mut [u32],
+) {
+    let arg = |i: usize| f32::from_bits(args[i]);
+    let ray = || world_ray(&[0, 1, 2, 3, 4, 5, 6, 7].map(arg));
+    match intrinsic {
+        Intrinsic::Extent => {
+            let [x, y] = [0, 1].map(|a| (scene.size[a] - 1) as f32 * scene.spacing[a]);
+            floats(out, &[x, y]);
+        }
+        Intrinsic::Texel => floats(out, &scene.spacing),
+        Intrinsic::Relief => floats(out, &scene.relief),
+        Intrinsic::Nearest => floats(out, &[surface::nearest(scene, heights, arg(0), arg(1))]),
+        Intrinsic::Triangulated => {
+            floats(out, &[surface::height::<H, Triangulated>(scene, heights, arg(0), arg(1))]);
+        }
+        Intrinsic::Bilinear => {
+            floats(out, &[surface::height::<H, Bilinear>(scene, heights, arg(0), arg(1))]);
+        }
+        Intrinsic::GradientTriangulated => {
+            floats(out, &surface::gradient_triangulated(scene, heights, arg(0), arg(1)));
+        }
+        Intrinsic::GradientBilinear => {
+            floats(out, &surface::gradient_bilinear(scene, heights, arg(0), arg(1)));
+        }
+        Intrinsic::TraceTriangulated => found(out, walk::trace::<H, Triangulated>(scene, heights, &ray())),
+        Intrinsic::TraceBilinear => found(out, walk::trace::<H, Bilinear>(scene, heights, &ray())),
+        Intrinsic::OccludedTriangulated => {
+            out[0] = u32::from(walk::trace::<H, Triangulated>(scene, heights, &ray()).is_some());
+        }
+        Intrinsic::OccludedBilinear => {
+            out[0] = u32::from(walk::trace::<H, Bilinear>(scene, heights, &ray()).is_some());
+        }
+        Intrinsic::Camera => floats(out, &camera(scene, arg(0), arg(1))),
+        Intrinsic::PixelWidth => floats(out, &scene.pixel_width),
+        Intrinsic::SunDir => floats(out, &scene.sun_dir),
+        Intrinsic::SunColor => floats(out, &scene.sun_color),
+    }
+}
+
+fn floats(out: &mut [u32], values: &[f32]) {
+    for (word, value) in out.iter_mut().zip(values) {
+        *word = value.to_bits();
+    }
+}
+
+fn found(out: &mut [u32], distance: Option<f32>) {
+    out[0] = u32::from(distance.is_some());
+    out[1] = distance.unwrap_or(0.0).to_bits();
+}
+
+/// Twin of `shaders/terrain/camera.wgsl`.
+fn camera(scene: &SceneUniform, x: f32, y: f32) -> [f32; 8] {
+    let (i, j) = (x - scene.middle[0], y - scene.middle[1]);
+    let offset = [0, 1, 2].map(|a| i * scene.across[a] + j * scene.down[a]);
+    if scene.orthographic != 0 {
+        let [ox, oy, oz] = [0, 1, 2].map(|a| scene.eye[a] + offset[a]);
+        let [dx, dy, dz] = scene.forward;
+        return [ox, oy, oz, dx, dy, dz, scene.near, scene.far];
+    }
+    let [ox, oy, oz] = scene.eye;
+    let [dx, dy, dz] = [0, 1, 2].map(|a| scene.forward[a] + offset[a]);
+    let length = (dx * dx + dy * dy + dz * dz).sqrt();
+    [ox, oy, oz, dx / length, dy / length, dz / length, scene.near, scene.far]
+}

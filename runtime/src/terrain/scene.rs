@@ -1,0 +1,221 @@
+//! What a program sees of the world: one field, its pyramid, a camera and the sun.
+
+use super::field::{Samples, Terrain};
+use super::layout::SceneUniform;
+use super::pyramid::{Bounds, MAX_LEVELS, Pyramid};
+use super::view::{Camera, View};
+use std::sync::Arc;
+
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    #[error("there is no view named `{0}`; the views are overview, topdown, north, south, east and west")]
+    UnknownView(String),
+    #[error("the picture has no pixels; give a size of at least 1x1")]
+    EmptyPicture,
+    #[error("the camera's position, target and up direction must be finite numbers")]
+    NotFinite,
+    #[error("the field of view is {0} degrees; it must lie between 0 and 180")]
+    FieldOfView(f64),
+    #[error("the camera stands where it looks at; move --eye or --look-at")]
+    SamePlace,
+    #[error("the sun's azimuth and elevation must be finite numbers")]
+    Sun,
+    #[error("heights are exaggerated by {0}; the factor must be positive and finite")]
+    Exaggeration(f64),
+}
+
+/// Directions in degrees: azimuth clockwise from north, elevation above the horizon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    pub azimuth: f64,
+    pub elevation: f64,
+}
+
+impl Default for Sun {
+    /// From the north-west, as on maps.
+    fn default() -> Sun {
+        Sun { azimuth: 310.0, elevation: 34.0 }
+    }
+}
+
+impl Sun {
+    /// Unit vector towards the sun.
+    pub fn dir(&self) -> [f64; 3] {
+        let (sin_a, cos_a) = self.azimuth.to_radians().sin_cos();
+        let (sin_e, cos_e) = self.elevation.to_radians().sin_cos();
+        [sin_a * cos_e, cos_a * cos_e, sin_e]
+    }
+
+    /// White when high, red when low, as the air colours it.
+    pub fn color(&self) -> [f64; 3] {
+        let high = (self.elevation / 40.0).clamp(0.0, 1.0).sqrt();
+        [1.0, 0.62 + 0.35 * high, 0.36 + 0.54 * high]
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneOptions {
+    pub view: View,
+    /// Pixels across and down.
+    pub size: (u32, u32),
+    pub sun: Sun,
+    /// Factor on all heights.
+    pub exaggerate: f64,
+}
+
+impl Default for SceneOptions {
+    fn default() -> SceneOptions {
+        SceneOptions { view: View::default(), size: (1024, 1024), sun: Sun::default(), exaggerate: 1.0 }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Scene {
+    terrain: Arc<Terrain>,
+    pyramid: Arc<Pyramid>,
+    options: SceneOptions,
+    camera: Camera,
+    uniform: SceneUniform,
+}
+
+impl Scene {
+    pub fn new(terrain: Arc<Terrain>, options: &SceneOptions) -> Result<Scene, SceneError> {
+        let pyramid = Arc::new(Pyramid::new(&terrain));
+        Scene::assemble(terrain, pyramid, options)
+    }
+
+    /// The same field seen otherwise; its pyramid is shared.
+    pub fn with_options(&self, options: &SceneOptions) -> Result<Scene, SceneError> {
+        Scene::assemble(self.terrain.clone(), self.pyramid.clone(), options)
+    }
+
+    fn assemble(
+        terrain: Arc<Terrain>,
+        pyramid: Arc<Pyramid>,
+        options: &SceneOptions,
+    ) -> Result<Scene, SceneError> {
+        if !(options.exaggerate > 0.0 && options.exaggerate.is_finite()) {
+            return Err(SceneError::Exaggeration(options.exaggerate));
+        }
+        if !(options.sun.azimuth.is_finite() && options.sun.elevation.is_finite()) {
+            return Err(SceneError::Sun);
+        }
+        let camera = Camera::new(&options.view, &terrain, options.exaggerate, options.size)?;
+        let uniform = uniform(&terrain, &pyramid, &camera, options);
+        Ok(Scene { terrain, pyramid, options: *options, camera, uniform })
+    }
+
+    pub fn terrain(&self) -> &Arc<Terrain> {
+        &self.terrain
+    }
+
+    pub fn pyramid(&self) -> &Arc<Pyramid> {
+        &self.pyramid
+    }
+
+    pub fn options(&self) -> &SceneOptions {
+        &self.options
+    }
+
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The record that the shaders read.
+    pub fn uniform(&self) -> &SceneUniform {
+        &self.uniform
+    }
+
+    /// Samples as the shaders read them: 16-bit ones two to a word, the first in the low half.
+    pub fn sample_words(&self) -> Vec<u32> {
+        match &self.terrain.samples {
+            Samples::I16(data) => pack(data),
+            Samples::F32(data) => data.iter().map(|v| v.to_bits()).collect(),
+        }
+    }
+
+    /// Bounds as the shaders read them, at least one word.
+    pub fn bound_words(&self) -> Vec<u32> {
+        let mut words = match &self.pyramid.bounds {
+            Bounds::I16(data) => pack(data),
+            Bounds::F32(data) => data.iter().map(|v| v.to_bits()).collect(),
+        };
+        if words.is_empty() {
+            words.push(0);
+        }
+        words
+    }
+}
+
+fn pack(data: &[i16]) -> Vec<u32> {
+    let word = |pair: &[i16]| {
+        let low = u32::from(pair[0] as u16);
+        low | u32::from(pair.get(1).copied().unwrap_or(0) as u16) << 16
+    };
+    data.chunks(2).map(word).collect()
+}
+
+fn uniform(terrain: &Terrain, pyramid: &Pyramid, camera: &Camera, options: &SceneOptions) -> SceneUniform {
+    let single = |v: [f64; 3]| v.map(|x| x as f32);
+    let spacing = terrain.spacing.map(|d| d as f32);
+    let scale = terrain.scale * options.exaggerate;
+    let offset = terrain.offset * options.exaggerate;
+    let raw = |z: f64| ((z - terrain.offset) / terrain.scale) as f32;
+    let mut levels = [[0; 4]; MAX_LEVELS];
+    for (row, level) in levels.iter_mut().zip(&pyramid.levels) {
+        *row = [level.offset, level.width, level.height, 0];
+    }
+    SceneUniform {
+        spacing,
+        inverse_spacing: spacing.map(|d| 1.0 / d),
+        relief: [(terrain.min * options.exaggerate) as f32, (terrain.max * options.exaggerate) as f32],
+        raw_relief: [raw(terrain.min), raw(terrain.max)],
+        z_scale: scale as f32,
+        z_offset: offset as f32,
+        z_inverse_scale: (1.0 / scale) as f32,
+        top: pyramid.top(),
+        size: [terrain.width, terrain.height],
+        fuel: 4 * (terrain.width + terrain.height) + 64,
+        orthographic: u32::from(camera.orthographic),
+        eye: single(camera.eye.to_array()),
+        near: 0.0,
+        forward: single(camera.forward.to_array()),
+        far: 1e9,
+        across: single(camera.across.to_array()),
+        padding0: 0,
+        down: single(camera.down.to_array()),
+        padding1: 0,
+        sun_dir: single(options.sun.dir()),
+        padding2: 0,
+        sun_color: single(options.sun.color()),
+        padding3: 0,
+        middle: camera.middle.map(|x| x as f32),
+        pixel_width: camera.pixel_width().map(|x| x as f32),
+        levels,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sun_of_a_map_stands_in_the_north_west() {
+        let [x, y, z] = Sun { azimuth: 315.0, elevation: 45.0 }.dir();
+        assert!(x < 0.0 && y > 0.0 && (z - 0.5f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn bad_options_have_their_own_errors() {
+        let terrain = Arc::new(Terrain::from_heights(2, 2, [1.0, 1.0], vec![0.0; 4]).unwrap());
+        let with = |change: fn(&mut SceneOptions)| {
+            let mut options = SceneOptions::default();
+            change(&mut options);
+            Scene::new(terrain.clone(), &options).unwrap_err()
+        };
+        assert!(matches!(with(|o| o.exaggerate = 0.0), SceneError::Exaggeration(_)));
+        assert!(matches!(with(|o| o.sun.azimuth = f64::NAN), SceneError::Sun));
+        assert!(matches!(with(|o| o.size = (0, 5)), SceneError::EmptyPicture));
+        assert!(matches!("up".parse::<super::super::NamedView>(), Err(SceneError::UnknownView(_))));
+    }
+}

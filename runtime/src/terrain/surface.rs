@@ -1,0 +1,71 @@
+//! Heights and gradients of the surfaces at a ground position. Outside the field the nearest rim counts; a cell that
+//! touches a void has the field's lowest height. Twin of `shaders/terrain/cell.wgsl` and the surfaces beside it.
+
+use super::field::VOID_F32;
+use super::layout::SceneUniform;
+use super::patch::{Corners, Patch};
+use super::walk::Heights;
+
+/// A cell with the position in it.
+pub(super) struct Cell {
+    pub corners: Corners,
+    pub u: f32,
+    pub v: f32,
+}
+
+/// The cell under (x, y) in metres.
+pub(super) fn locate<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> Cell {
+    let [cells_x, cells_y] = scene.cells();
+    let gx = (x * scene.inverse_spacing[0]).max(0.0).min(cells_x as f32);
+    let gy = (y * scene.inverse_spacing[1]).max(0.0).min(cells_y as f32);
+    let i = (gx as u32).min(cells_x - 1);
+    let j = (gy as u32).min(cells_y - 1);
+    let width = scene.size[0] as usize;
+    let at = j as usize * width + i as usize;
+    let mut corners = Corners {
+        sw: heights.sample(at),
+        se: heights.sample(at + 1),
+        nw: heights.sample(at + width),
+        ne: heights.sample(at + width + 1),
+    };
+    if corners.lowest() == VOID_F32 {
+        let low = scene.raw_relief[0];
+        corners = Corners { sw: low, se: low, nw: low, ne: low };
+    }
+    Cell { corners, u: gx - i as f32, v: gy - j as f32 }
+}
+
+pub(super) fn height<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> f32 {
+    let cell = locate(scene, heights, x, y);
+    P::height(&cell.corners, cell.u, cell.v) * scene.z_scale + scene.z_offset
+}
+
+pub(super) fn nearest<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> f32 {
+    let [cells_x, cells_y] = scene.cells();
+    let gx = (x * scene.inverse_spacing[0] + 0.5).max(0.0).min(cells_x as f32);
+    let gy = (y * scene.inverse_spacing[1] + 0.5).max(0.0).min(cells_y as f32);
+    let raw = heights.sample(gy as usize * scene.size[0] as usize + gx as usize);
+    (if raw == VOID_F32 { scene.raw_relief[0] } else { raw }) * scene.z_scale + scene.z_offset
+}
+
+/// Metres per metre.
+fn slope(scene: &SceneUniform, east: f32, north: f32) -> [f32; 2] {
+    [east * scene.z_scale * scene.inverse_spacing[0], north * scene.z_scale * scene.inverse_spacing[1]]
+}
+
+pub(super) fn gradient_bilinear<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> [f32; 2] {
+    let Cell { corners: c, u, v } = locate(scene, heights, x, y);
+    let east = (c.se - c.sw) * (1.0 - v) + (c.ne - c.nw) * v;
+    let north = (c.nw - c.sw) * (1.0 - u) + (c.ne - c.se) * u;
+    slope(scene, east, north)
+}
+
+pub(super) fn gradient_triangulated<H: Heights>(
+    scene: &SceneUniform,
+    heights: &H,
+    x: f32,
+    y: f32,
+) -> [f32; 2] {
+    let Cell { corners: c, u, v } = locate(scene, heights, x, y);
+    if u >= v { slope(scene, c.se - c.sw, c.ne - c.se) } else { slope(scene, c.ne - c.nw, c.nw - c.sw) }
+}

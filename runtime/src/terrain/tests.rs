@@ -1,0 +1,324 @@
+//! The walk against the oracle's brute intersection, over fields and rays made to break it.
+//!
+//! A hit is right if the true first hit lies between those of the ray lifted and lowered by a tolerance: of two answers
+//! that differ, that tells a rounding at a silhouette from a fault.
+
+use super::field::Terrain;
+use super::scene::{Scene, SceneOptions};
+use super::view::View;
+use ghyll_compiler::intrinsics::Intrinsic;
+use std::sync::Arc;
+
+const SURFACES: [Intrinsic; 2] = [Intrinsic::TraceBilinear, Intrinsic::TraceTriangulated];
+
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) as u32 ^ (self.0 >> 20) as u32
+    }
+
+    /// In [0, 1).
+    fn unit(&mut self) -> f64 {
+        f64::from(self.next() >> 8) / f64::from(1u32 << 24)
+    }
+
+    fn within(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+
+    fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+        from[self.next() as usize % from.len()]
+    }
+}
+
+fn field(width: u32, height: u32, spacing: [f64; 2], z: impl FnMut(u32, u32) -> f32) -> Terrain {
+    let mut z = z;
+    let heights = (0..height).flat_map(|r| (0..width).map(move |c| (c, r))).map(|(c, r)| z(c, r)).collect();
+    Terrain::from_heights(width, height, spacing, heights).unwrap()
+}
+
+fn scene(terrain: Terrain) -> Scene {
+    let options = SceneOptions { view: View::overview(), size: (64, 64), ..SceneOptions::default() };
+    Scene::new(Arc::new(terrain), &options).unwrap()
+}
+
+fn fields() -> Vec<(&'static str, Scene)> {
+    let mut random = Random(1);
+    let mut list = vec![
+        ("noise", field(33, 29, [30.0, 20.0], |_, _| random.within(0.0, 90.0) as f32)),
+        ("flat", field(20, 37, [1.0, 1.0], |_, _| 5.0)),
+        (
+            "smooth",
+            field(65, 65, [25.0, 25.0], |c, r| 300.0 * ((c as f32 * 0.1).sin() + (r as f32 * 0.13).cos())),
+        ),
+        ("spikes", field(40, 40, [1.0, 1.0], |c, r| if c % 7 == 3 && r % 5 == 2 { 1e3 } else { 0.0 })),
+        ("smallest", field(2, 2, [10.0, 10.0], |c, r| (c * 7 + r * 3) as f32)),
+        ("strip", field(2, 40, [10.0, 1.0], |c, r| ((c + r) % 3) as f32)),
+        ("row", field(40, 2, [1.0, 100.0], |c, r| ((c * r) % 5) as f32)),
+        ("stairs", field(17, 17, [2.0, 2.0], |c, _| (c / 4) as f32 * 3.0)),
+        ("high", field(33, 33, [30.0, 30.0], |c, r| 8848.0 + 0.001 * ((c * 31 + r * 17) % 11) as f32)),
+    ];
+    let mut random = Random(2);
+    let holes = |_, _| if random.next() % 9 == 0 { f32::NAN } else { random.within(0.0, 50.0) as f32 };
+    list.push(("voids", field(31, 31, [10.0, 10.0], holes)));
+    let mut list: Vec<_> = list.into_iter().map(|(name, t)| (name, scene(t))).collect();
+    list.push(("fuji", scene(Terrain::builtin())));
+    list
+}
+
+type Ray = [f32; 8];
+
+/// Random rays, and rays along and through everything that is exact in the grid.
+fn ray(scene: &Scene, random: &mut Random) -> Ray {
+    let terrain = scene.terrain();
+    let [width, height] = terrain.extent();
+    let (lo, hi) = (terrain.min, terrain.max.max(terrain.min + 1.0));
+    let tall = hi - lo;
+    let snap = |random: &mut Random, axis: usize| {
+        let n = [terrain.width, terrain.height][axis];
+        let at = f64::from(random.next() % n) * terrain.spacing[axis];
+        at + random.pick(&[0.0, 0.0, 0.5]) * terrain.spacing[axis]
+    };
+    let outside = |random: &mut Random, size: f64| random.within(-0.5 * size, 1.5 * size);
+    let exact = random.next() % 2 == 0;
+    let point = |random: &mut Random, z: f64| {
+        if exact {
+            [snap(random, 0), snap(random, 1), z]
+        } else {
+            [outside(random, width), outside(random, height), z]
+        }
+    };
+    let z_from = match random.next() % 5 {
+        0 => random.pick(&[lo, hi, lo - tall, hi + tall]),
+        1 => lo + (random.next() % 8) as f64,
+        _ => random.within(lo - 0.3 * tall, hi + 1.5 * tall),
+    };
+    let z_to = if random.next() % 4 == 0 { z_from } else { random.within(lo - 0.2 * tall, hi) };
+    let from = point(random, z_from);
+    let to = point(random, z_to);
+    let mut dir = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+    match random.next() % 10 {
+        0 => dir[0] = 0.0,
+        1 => dir[1] = -0.0,
+        2 => dir = [0.0, 0.0, random.pick(&[-1.0, 1.0])],
+        3 => dir[0] = 1e-40,
+        4 => dir[1] = dir[0] * terrain.spacing[1] / terrain.spacing[0],
+        5 => dir[2] = 0.0,
+        _ => {}
+    }
+    let length = (dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2]).sqrt().max(1e-9);
+    let unit = dir.map(|d| (d / length) as f32);
+    let near = if random.next() % 4 == 0 { random.within(0.0, 0.5 * length) } else { 0.0 };
+    let far = if random.next() % 4 == 0 { random.within(0.0, 2.0 * length) } else { 1e9 };
+    [from[0] as f32, from[1] as f32, from[2] as f32, unit[0], unit[1], unit[2], near as f32, far as f32]
+}
+
+fn single(scene: &Scene, surface: Intrinsic, ray: &Ray) -> Option<f64> {
+    let mut out = [0; 2];
+    scene.eval_f32(surface, &ray.map(f32::to_bits), &mut out);
+    (out[0] != 0).then(|| f64::from(f32::from_bits(out[1])))
+}
+
+fn double(scene: &Scene, surface: Intrinsic, ray: &Ray, lift: f64) -> Option<f64> {
+    let mut args = ray.map(f64::from);
+    args[2] += lift;
+    let mut out = [0.0; 2];
+    scene.eval_f64(surface, &args, &mut out);
+    (out[0] != 0.0).then_some(out[1])
+}
+
+/// Metres by which heights may be off: rounding of the coordinates times the steepest slope, and of z.
+fn tolerance(scene: &Scene) -> f64 {
+    let terrain = scene.terrain();
+    let size = terrain.extent().into_iter().fold(0.0, f64::max);
+    let tall = terrain.max - terrain.min;
+    let steep = 2.0 * tall / terrain.spacing[0].min(terrain.spacing[1]);
+    let high = terrain.max.abs().max(terrain.min.abs()) + tall;
+    4e-7 * (size * (1.0 + steep) + 4.0 * high) + 1e-6
+}
+
+/// What is wrong with an answer, if anything.
+fn fault(scene: &Scene, surface: Intrinsic, ray: &Ray, answer: Option<f64>) -> Option<String> {
+    let truth = double(scene, surface, ray, 0.0);
+    let slack = |t: f64| 1e-3 * scene.terrain().spacing[0].min(scene.terrain().spacing[1]) + 1e-6 * t.abs();
+    if let (Some(t), Some(u)) = (answer, truth)
+        && (t - u).abs() <= 0.01 * slack(u)
+    {
+        return None;
+    }
+    let tolerance = tolerance(scene);
+    let lowered = double(scene, surface, ray, -tolerance);
+    let raised = double(scene, surface, ray, tolerance);
+    let early = |t: f64| lowered.is_none_or(|l| t < l - slack(l));
+    let late = |t: f64| raised.is_some_and(|r| t > r + slack(r));
+    match answer {
+        None => raised.map(|r| format!("missed a hit at {truth:?}, {r} when raised")),
+        Some(t) if early(t) => Some(format!("hit at {t}, truth {truth:?}, lowered {lowered:?}")),
+        Some(t) if late(t) => Some(format!("hit at {t}, truth {truth:?}, raised {raised:?}")),
+        Some(_) => None,
+    }
+}
+
+/// At the field's rim a ray may or may not enter, by rounding: shifting it decides.
+fn at_the_rim(scene: &Scene, surface: Intrinsic, ray: &Ray, answer: Option<f64>) -> bool {
+    let [w, h] = scene.terrain().extent();
+    let step = 4e-7 * w.max(h) + 1e-6;
+    [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]].into_iter().any(|[dx, dy]| {
+        let mut moved = ray.map(f64::from);
+        moved[0] += dx;
+        moved[1] += dy;
+        let mut out = [0.0; 2];
+        scene.eval_f64(surface, &moved, &mut out);
+        match answer {
+            None => out[0] == 0.0,
+            Some(t) => out[0] != 0.0 && (t - out[1]).abs() < 1e-2 * (1.0 + t.abs()),
+        }
+    })
+}
+
+#[test]
+fn the_walk_agrees_with_brute_intersection() {
+    let mut faults = Vec::new();
+    let mut hits = 0;
+    let mut rays = 0;
+    for (name, scene) in fields() {
+        let mut random = Random(42);
+        let count = if name == "fuji" { 3_000 } else { 6_000 };
+        for i in 0..count {
+            let ray = ray(&scene, &mut random);
+            for surface in SURFACES {
+                let answer = single(&scene, surface, &ray);
+                hits += u32::from(answer.is_some());
+                rays += 1;
+                if let Some(what) = fault(&scene, surface, &ray, answer)
+                    && !at_the_rim(&scene, surface, &ray, answer)
+                {
+                    faults.push(format!("{name} ray {i} {} {ray:?}: {what}", surface.name()));
+                }
+            }
+        }
+    }
+    assert!(hits > rays / 5 && hits < rays * 4 / 5, "{hits} of {rays} rays hit");
+    assert!(faults.is_empty(), "{} of {rays}:\n{}", faults.len(), faults[..faults.len().min(12)].join("\n"));
+}
+
+#[test]
+fn a_planted_difference_is_found() {
+    let scene = scene(field(9, 9, [10.0, 10.0], |c, r| (c + r) as f32));
+    let ray = [40.0, 40.0, 100.0, 0.0, 0.0, -1.0, 0.0, 1e9];
+    let truth = double(&scene, Intrinsic::TraceBilinear, &ray, 0.0).unwrap();
+    let wrong = |answer| fault(&scene, Intrinsic::TraceBilinear, &ray, answer).is_some();
+    assert!(!wrong(Some(truth)) && wrong(Some(truth + 0.1)) && wrong(Some(truth - 0.1)) && wrong(None));
+    let up = [40.0, 40.0, 100.0, 0.0, 0.0, 1.0, 0.0, 1e9];
+    assert!(fault(&scene, Intrinsic::TraceBilinear, &up, Some(1.0)).is_some());
+}
+
+#[test]
+fn no_ray_straight_down_slips_through() {
+    for (name, scene) in fields().into_iter().filter(|(name, _)| *name != "voids") {
+        let [w, h] = scene.terrain().extent();
+        for i in 0..=64 {
+            for j in 0..=64 {
+                let (x, y) = ((w * f64::from(i) / 64.0) as f32, (h * f64::from(j) / 64.0) as f32);
+                let (x, y) = (x.min(w as f32), y.min(h as f32));
+                let ray = [x, y, 2e4, 0.0, 0.0, -1.0, 0.0, 1e9];
+                for surface in SURFACES {
+                    let Some(t) = single(&scene, surface, &ray) else {
+                        // One rounding can put the far rim outside.
+                        assert!(i == 64 || j == 64, "{name} {x} {y}");
+                        continue;
+                    };
+                    let eval =
+                        if surface == SURFACES[0] { Intrinsic::Bilinear } else { Intrinsic::Triangulated };
+                    let mut out = [0.0];
+                    scene.eval_f64(eval, &[f64::from(x), f64::from(y)], &mut out);
+                    let z = 2e4 - t;
+                    assert!((z - out[0]).abs() <= tolerance(&scene) + 2e-3, "{name} {x} {y}: {z} {}", out[0]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_plane_under_a_grazing_sun_does_not_shade_itself() {
+    let slope = |c: u32, r: u32| 1000.0 + 0.37 * c as f32 * 30.0 - 0.21 * r as f32 * 30.0;
+    for (name, scene) in [
+        ("level", scene(field(512, 512, [30.0, 30.0], |_, _| 1234.5))),
+        ("tilted", scene(field(512, 512, [30.0, 30.0], slope))),
+    ] {
+        let mut random = Random(5);
+        let mut gradient = [0; 2];
+        scene.eval_f32(Intrinsic::GradientBilinear, &[0f32.to_bits(); 2], &mut gradient);
+        let [gx, gy] = gradient.map(|g| f64::from(f32::from_bits(g)));
+        let size = (gx * gx + gy * gy + 1.0).sqrt();
+        let normal = [-gx / size, -gy / size, 1.0 / size];
+        for _ in 0..20_000 {
+            // A direction 0.1 degrees above the plane.
+            let azimuth = random.within(0.0, std::f64::consts::TAU);
+            let (a, b) = (azimuth.cos(), azimuth.sin());
+            let along = [a, b, gx * a + gy * b];
+            let length = (a * a + b * b + along[2] * along[2]).sqrt();
+            let up = 0.1f64.to_radians().sin();
+            let dir = [0, 1, 2].map(|k| (along[k] / length + up * normal[k]) as f32);
+            // The library's `lift`.
+            let [x, y] = [random.within(0.0, 15_330.0) as f32, random.within(0.0, 15_330.0) as f32];
+            let mut z = [0];
+            scene.eval_f32(Intrinsic::Bilinear, &[x.to_bits(), y.to_bits()], &mut z);
+            let z = f32::from_bits(z[0]);
+            let gap = 4e-7 * (x.abs() + y.abs() + z.abs()) + 1e-5 * 60.0;
+            let at = [x, y, z];
+            let from = [0, 1, 2].map(|k| at[k] + gap * normal[k] as f32);
+            let ray = [from[0], from[1], from[2], dir[0], dir[1], dir[2], 0.0, 1e9];
+            for surface in SURFACES {
+                assert_eq!(single(&scene, surface, &ray), None, "{name} {ray:?}");
+            }
+        }
+        // A ray that does start in the ground is found.
+        let under = [7000.0, 7000.0, -9e3, 0.0, 0.0, 1.0, 0.0, 1e9];
+        assert_eq!(single(&scene, SURFACES[0], &under), Some(0.0), "{name}");
+    }
+}
+
+#[test]
+fn what_is_no_ray_hits_nothing_and_ends() {
+    let scene = scene(field(9, 9, [1.0, 1.0], |c, _| c as f32));
+    let down = [4.0, 4.0, 50.0, 0.0, 0.0, -1.0, 0.0, 1e9];
+    assert!(single(&scene, SURFACES[0], &down).is_some());
+    for at in 0..8 {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let endless = (at == 6 && bad == f32::NEG_INFINITY) || (at == 7 && bad == f32::INFINITY);
+            let mut ray = down;
+            ray[at] = bad;
+            for surface in SURFACES {
+                assert_eq!(single(&scene, surface, &ray).is_some(), endless, "{ray:?}");
+            }
+        }
+    }
+    let backwards = [4.0, 4.0, 50.0, 0.0, 0.0, -1.0, 60.0, 10.0];
+    let still = [4.0, 4.0, 50.0, 0.0, 0.0, 0.0, 0.0, 1e9];
+    for ray in [backwards, still] {
+        assert_eq!(single(&scene, SURFACES[1], &ray), None);
+    }
+}
+
+#[test]
+fn a_far_camera_hits_as_exactly_as_a_near_one() {
+    let scene = scene(Terrain::builtin());
+    let [w, h] = scene.terrain().extent();
+    let mut random = Random(9);
+    for distance in [1e5, 1e6, 1e7] {
+        for _ in 0..500 {
+            let (x, y) = (random.within(0.1 * w, 0.9 * w), random.within(0.1 * h, 0.9 * h));
+            let dir = [0.3f64, 0.5, -(1.0f64 - 0.34).sqrt()].map(|d| d as f32);
+            let from = [x, y, 2000.0].into_iter().zip(dir).map(|(p, d)| (p - distance * f64::from(d)) as f32);
+            let o: Vec<f32> = from.collect();
+            let ray = [o[0], o[1], o[2], dir[0], dir[1], dir[2], 0.0, 1e9];
+            let t = single(&scene, SURFACES[0], &ray).unwrap();
+            let truth = double(&scene, SURFACES[0], &ray, 0.0).unwrap();
+            assert!((t - truth).abs() <= 1e-6 * distance + 0.01, "{distance}: {t} {truth}");
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The shader text of the intrinsics that a program reaches, and of nothing else.
+//!
+//! [`PIECES`] is the table: each piece of `shaders/terrain/` with what must stand before it.
+
+use super::field::{Samples, Terrain};
+use ghyll_compiler::intrinsics::Intrinsic;
+
+/// How samples are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    I16,
+    F32,
+}
+
+impl Format {
+    pub fn of(terrain: &Terrain) -> Format {
+        match terrain.samples {
+            Samples::I16(_) => Format::I16,
+            Samples::F32(_) => Format::F32,
+        }
+    }
+}
+
+struct Piece {
+    name: &'static str,
+    text: &'static str,
+    needs: &'static [&'static str],
+}
+
+macro_rules! pieces {
+    ($($name:literal $file:literal [$($need:literal)*];)*) => {
+        &[$(Piece {
+            name: $name,
+            text: include_str!(concat!("../../../shaders/terrain/", $file, ".wgsl")),
+            needs: &[$($need),*],
+        }),*]
+    };
+}
+
+/// Names that end in a format are chosen by the name without it; a file used under several names holds the word
+/// `SURFACE`, which the part of the name behind the last underscore replaces.
+const PIECES: &[Piece] = pieces! {
+    "scene" "scene" [];
+    "samples" "samples" [];
+    "sample.i16" "samples_i16" ["samples"];
+    "sample.f32" "samples_f32" ["samples"];
+    "bounds" "bounds" [];
+    "bound.i16" "bounds_i16" ["bounds" "sample"];
+    "bound.f32" "bounds_f32" ["bounds"];
+    "corners" "corners" ["scene" "sample"];
+    "cell" "cell" ["corners"];
+    "slope" "slope" ["scene"];
+    "ray" "ray" ["scene"];
+    "planes" "planes" ["ray"];
+    "patch" "patch" ["corners"];
+    "height_bilinear" "height_bilinear" ["corners"];
+    "height_triangulated" "height_triangulated" ["corners"];
+    "patch_bilinear" "patch_bilinear" ["patch" "height_bilinear"];
+    "patch_triangulated" "patch_triangulated" ["patch" "height_triangulated"];
+    "walk_bilinear" "walk" ["planes" "bound" "patch_bilinear"];
+    "walk_triangulated" "walk" ["planes" "bound" "patch_triangulated"];
+    "extent" "extent" ["scene"];
+    "texel" "texel" ["scene"];
+    "relief" "relief" ["scene"];
+    "nearest" "nearest" ["scene" "sample"];
+    "triangulated" "triangulated" ["cell" "height_triangulated"];
+    "bilinear" "bilinear" ["cell" "height_bilinear"];
+    "gradient_triangulated" "gradient_triangulated" ["cell" "slope"];
+    "gradient_bilinear" "gradient_bilinear" ["cell" "slope"];
+    "trace_triangulated" "trace" ["walk_triangulated"];
+    "trace_bilinear" "trace" ["walk_bilinear"];
+    "occluded_triangulated" "occluded" ["walk_triangulated"];
+    "occluded_bilinear" "occluded" ["walk_bilinear"];
+    "camera" "camera" ["scene"];
+    "pixel_width" "pixel_width" ["scene"];
+    "sun_dir" "sun_dir" ["scene"];
+    "sun_color" "sun_color" ["scene"];
+};
+
+/// What of bind group 1 a shader text uses.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Module {
+    pub text: String,
+    /// Binding 0, a uniform buffer: [`super::layout::SceneUniform`].
+    pub scene: bool,
+    /// Binding 1, read-only storage: [`super::Scene::sample_words`].
+    pub samples: bool,
+    /// Binding 2, read-only storage: [`super::Scene::bound_words`].
+    pub bounds: bool,
+}
+
+/// Declarations of the given intrinsics and of all that they need, each once.
+pub fn wgsl(intrinsics: &[Intrinsic], format: Format) -> Module {
+    let mut placed: Vec<&'static str> = Vec::new();
+    let mut text = String::new();
+    for intrinsic in intrinsics {
+        place(intrinsic.name(), format, &mut placed, &mut text);
+    }
+    let uses = |name: &str| placed.contains(&name);
+    Module { scene: uses("scene"), samples: uses("samples"), bounds: uses("bounds"), text }
+}
+
+fn place(name: &str, format: Format, placed: &mut Vec<&'static str>, text: &mut String) {
+    let suffix = match format {
+        Format::I16 => ".i16",
+        Format::F32 => ".f32",
+    };
+    let fits = |p: &&Piece| p.name == name || p.name.strip_suffix(suffix) == Some(name);
+    let piece = PIECES.iter().find(fits).expect("a test places every intrinsic");
+    if placed.contains(&piece.name) {
+        return;
+    }
+    for need in piece.needs {
+        place(need, format, placed, text);
+    }
+    placed.push(piece.name);
+    let surface = piece.name.rsplit('_').next().unwrap_or_default();
+    text.push_str(&piece.text.replace("SURFACE", surface));
+    text.push('\n');
+}
+
+/// The stage that builds one level of the maximum mipmap.
+pub fn pyramid_stage(format: Format) -> String {
+    let keys = match format {
+        Format::I16 => include_str!("../../../shaders/terrain/pyramid_i16.wgsl"),
+        Format::F32 => include_str!("../../../shaders/terrain/pyramid_f32.wgsl"),
+    };
+    format!("{keys}\n{}", include_str!("../../../shaders/terrain/pyramid.wgsl"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::naga;
+
+    fn validate(text: &str) -> naga::Module {
+        let module =
+            naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
+        let mut validator = naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::empty(),
+        );
+        validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
+        module
+    }
+
+    #[test]
+    fn every_intrinsic_is_a_valid_function_of_its_type() {
+        for format in [Format::I16, Format::F32] {
+            for intrinsic in Intrinsic::ALL {
+                let module = validate(&wgsl(&[*intrinsic], format).text);
+                let found =
+                    module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(intrinsic.name()));
+                let function = found.unwrap_or_else(|| panic!("no function {}", intrinsic.name())).1;
+                assert_eq!(function.arguments.len(), intrinsic.params().len(), "{}", intrinsic.name());
+                let result = function.result.as_ref().expect("an intrinsic has a result");
+                let name = module.types[result.ty].name.clone();
+                let expected = ghyll_compiler::intrinsics::returns_struct(*intrinsic);
+                assert_eq!(name, expected.then(|| format!("{}_result", intrinsic.name())));
+            }
+        }
+    }
+
+    #[test]
+    fn all_together_stand_once() {
+        let twice: Vec<_> = Intrinsic::ALL.iter().chain(Intrinsic::ALL).copied().collect();
+        for format in [Format::I16, Format::F32] {
+            let module = wgsl(&twice, format);
+            validate(&module.text);
+            assert!(module.scene && module.samples && module.bounds);
+            assert!(!module.text.contains("SURFACE"));
+        }
+    }
+
+    #[test]
+    fn what_is_not_reached_is_not_there() {
+        let module = wgsl(&[Intrinsic::Camera], Format::I16);
+        assert!(module.scene && !module.samples && !module.bounds);
+        assert!(!module.text.contains("terrain_walk"));
+        assert_eq!(wgsl(&[], Format::F32), Module::default());
+    }
+
+    #[test]
+    fn the_pyramid_stage_is_valid() {
+        validate(&pyramid_stage(Format::I16));
+        validate(&pyramid_stage(Format::F32));
+    }
+}

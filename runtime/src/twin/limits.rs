@@ -1,0 +1,114 @@
+//! What all lanes of a run share: the clock, the count of rewrites, the memory in use, the first error.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+use crate::config::Config;
+use crate::error::RunError;
+
+pub struct Limits {
+    start: Instant,
+    timeout: Duration,
+    max_rewrites: Option<u64>,
+    max_memory: u64,
+    rewrites: AtomicU64,
+    memory: AtomicU64,
+    peak: AtomicU64,
+    stopped: AtomicBool,
+    error: Mutex<Option<RunError>>,
+}
+
+impl Limits {
+    pub fn new(config: &Config) -> Limits {
+        Limits {
+            start: Instant::now(),
+            timeout: config.timeout,
+            max_rewrites: config.max_rewrites,
+            max_memory: config.max_memory,
+            rewrites: AtomicU64::new(0),
+            memory: AtomicU64::new(0),
+            peak: AtomicU64::new(0),
+            stopped: AtomicBool::new(false),
+            error: Mutex::new(None),
+        }
+    }
+
+    pub fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    pub fn rewrites(&self) -> u64 {
+        self.rewrites.load(Relaxed)
+    }
+
+    pub fn peak_memory(&self) -> u64 {
+        self.peak.load(Relaxed)
+    }
+
+    /// Bytes that may still be taken.
+    pub fn free_memory(&self) -> u64 {
+        self.max_memory.saturating_sub(self.memory.load(Relaxed))
+    }
+
+    /// Counts rewrites made in `function`.
+    pub fn spend(&self, rewrites: u64, function: &str) -> Result<(), RunError> {
+        let total = self.rewrites.fetch_add(rewrites, Relaxed) + rewrites;
+        match self.max_rewrites {
+            Some(limit) if total > limit => {
+                Err(self.fail(RunError::MaxRewrites { function: function.into(), limit }))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    pub fn check_clock(&self, function: &str) -> Result<(), RunError> {
+        if self.stopped.load(Relaxed) {
+            return Err(self.first_error());
+        }
+        let elapsed = self.start.elapsed();
+        if elapsed <= self.timeout {
+            return Ok(());
+        }
+        Err(self.fail(RunError::Timeout {
+            function: function.into(),
+            seconds: elapsed.as_secs_f64(),
+            reached: format!("{} rewrites", self.rewrites()),
+        }))
+    }
+
+    /// Replaces a holding of `before` bytes by one of `after`.
+    pub fn hold(&self, before: u64, after: u64, function: &str) -> Result<(), RunError> {
+        if after <= before {
+            self.release(before - after);
+            return Ok(());
+        }
+        let wanted = self.memory.fetch_add(after - before, Relaxed) + (after - before);
+        if wanted <= self.max_memory {
+            self.peak.fetch_max(wanted, Relaxed);
+            return Ok(());
+        }
+        self.memory.fetch_sub(after - before, Relaxed);
+        Err(self.out_of_memory(wanted, function))
+    }
+
+    pub fn release(&self, bytes: u64) {
+        self.memory.fetch_sub(bytes, Relaxed);
+    }
+
+    pub fn out_of_memory(&self, bytes: u64, function: &str) -> RunError {
+        self.fail(RunError::OutOfMemory { function: function.into(), bytes, limit: self.max_memory })
+    }
+
+    /// Stops all lanes; the first error is the one that counts.
+    pub fn fail(&self, error: RunError) -> RunError {
+        self.stopped.store(true, Relaxed);
+        let mut first = self.error.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        first.get_or_insert(error).clone()
+    }
+
+    fn first_error(&self) -> RunError {
+        let first = self.error.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        first.clone().unwrap_or_else(|| RunError::Internal("the run stopped without an error".into()))
+    }
+}

@@ -1,0 +1,212 @@
+//! The rounds: decode, execute, allocate, splice over pairs of neighbouring blocks, (2k, 2k+1) and
+//! (2k+1, 2k+2) in turn, so that every redex comes to lie in one pair.
+
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use super::allocate::{self, Allocation, TOKEN_BYTES, allocate};
+use super::decode::{Pair, decode};
+use super::execute::{Output, Record, execute, queue};
+use super::pool::Pool;
+use super::schedule::Schedule;
+use super::splice::{blocks, splice};
+use super::tokens::Tokens;
+use crate::config::Stats;
+use crate::error::RunError;
+
+/// Depth at which a redex that still needs more memory than there is ends the run.
+const LAST_RESORT: u64 = 1 << 24;
+
+pub struct Rounds<'p, 'r> {
+    pool: &'p Pool<'r>,
+    schedule: Schedule,
+    /// Tokens in a block.
+    block: usize,
+    /// Components of a pixel, for `store`.
+    components: u32,
+    order: Vec<Tokens>,
+    /// Whether the first block stays alone in the next round.
+    odd: bool,
+    /// Rounds since the last one that found a redex.
+    idle: u32,
+    /// Bytes charged for the stream.
+    held: u64,
+    pub stats: Stats,
+}
+
+/// Takes a pixel: index and components.
+pub type Store<'s> = dyn FnMut(u32, &[u32]) + 's;
+
+impl<'p, 'r> Rounds<'p, 'r> {
+    /// `block` is raised until a redex fits two neighbouring blocks.
+    pub fn new(pool: &'p Pool<'r>, schedule: Schedule, block: u32, components: u32) -> Rounds<'p, 'r> {
+        let arities = pool.code.tasks.iter().map(|t| t.arity);
+        let longest = arities.chain([1 + components]).max().unwrap_or(0);
+        let block = block.max(2 * (longest + 1)) as usize;
+        let stats = Stats::default();
+        Rounds { pool, schedule, block, components, order: vec![], odd: false, idle: 0, held: 0, stats }
+    }
+
+    /// Rewrites `stream` to its normal form and calls `observe` with every stream on the way.
+    pub fn run(
+        &mut self,
+        stream: Tokens,
+        store: &mut Store,
+        observe: &mut dyn FnMut(&[Tokens]),
+    ) -> Result<Vec<u32>, RunError> {
+        self.charge(stream.len() as u64, self.first_function(&stream))?;
+        self.order = blocks(stream, self.block);
+        self.odd = false;
+        self.idle = 0;
+        observe(&self.order);
+        while self.order.iter().any(|b| !b.all_literals(0, b.len())) {
+            if self.round(store)? {
+                observe(&self.order);
+            }
+        }
+        self.pool.limits.release(std::mem::take(&mut self.held));
+        Ok(std::mem::take(&mut self.order).into_iter().flat_map(Tokens::into_words).collect())
+    }
+
+    /// One round; tells whether there was anything to rewrite.
+    fn round(&mut self, store: &mut Store) -> Result<bool, RunError> {
+        let clock = Instant::now();
+        let length: u64 = self.order.iter().map(|b| b.len() as u64).sum();
+        let mut pairs = self.load();
+        let mut records = queue(&pairs);
+        self.limit_queue(&mut pairs, &mut records);
+        lap(clock, &mut self.stats.decode);
+
+        let mut depth = self.schedule.depth(records.len());
+        let (outputs, Allocation { grants, length }) = loop {
+            let (mut outputs, allocation) = self.rewrite(&pairs, &records, length, depth)?;
+            if records.is_empty() || allocation.grants.iter().any(Option::is_some) {
+                for (index, components) in outputs.iter_mut().flat_map(|o| o.stored.drain(..)) {
+                    store(index, &components);
+                }
+                break (outputs, allocation);
+            }
+            // Not one redex may become longer: the first has to become shorter, in a window of its own.
+            if depth >= LAST_RESORT {
+                let function = self.pool.code.function(records[0].redex.task);
+                let bytes = (length + outputs[0].tokens.len() as u64) * TOKEN_BYTES;
+                return Err(self.pool.limits.out_of_memory(bytes, function));
+            }
+            depth = depth.saturating_mul(16).min(LAST_RESORT);
+            keep_first(1, &mut pairs, &mut records);
+        };
+        let function = records.first().map_or("", |r| self.pool.code.function(r.redex.task));
+        self.charge(length, function)?;
+
+        let clock = Instant::now();
+        self.order = self.write(&pairs, &grants, &outputs);
+        lap(clock, &mut self.stats.splice);
+
+        self.odd = !self.odd;
+        self.finish(&records, length, function)
+    }
+
+    /// Stages execute and allocate.
+    fn rewrite(
+        &mut self,
+        pairs: &[Pair],
+        records: &[Record],
+        length: u64,
+        depth: u64,
+    ) -> Result<(Vec<Output>, Allocation), RunError> {
+        let clock = Instant::now();
+        let part = (records.len() / (8 * rayon::current_num_threads())).clamp(1, 256);
+        let outputs = execute(self.pool, pairs, records, depth, part)?;
+        lap(clock, &mut self.stats.execute);
+
+        let clock = Instant::now();
+        let room = allocate::room(self.pool.limits.free_memory() + self.held);
+        let allocation = allocate(records, &outputs, length, room);
+        lap(clock, &mut self.stats.allocate);
+        Ok((outputs, allocation))
+    }
+
+    fn finish(&mut self, records: &[Record], length: u64, function: &str) -> Result<bool, RunError> {
+        if records.is_empty() {
+            self.idle += 1;
+            return match self.idle {
+                // Both ways of pairing were tried since the blocks last changed their sizes.
+                4.. => Err(self.pool.limits.fail(RunError::Internal("function tokens lack operands".into()))),
+                _ => Ok(false),
+            };
+        }
+        self.idle = 0;
+        self.stats.rounds += 1;
+        self.stats.tokens_moved += length;
+        self.stats.longest_stream = self.stats.longest_stream.max(length);
+        self.pool.limits.check_clock(function)?;
+        Ok(true)
+    }
+
+    /// Decodes all pairs.
+    fn load(&mut self) -> Vec<Pair> {
+        let mut blocks = std::mem::take(&mut self.order).into_iter();
+        let mut pairs = Vec::new();
+        if self.odd
+            && let Some(first) = blocks.next()
+        {
+            pairs.push((first, None));
+        }
+        while let Some(first) = blocks.next() {
+            pairs.push((first, blocks.next()));
+        }
+        let (code, components) = (self.pool.code, self.components);
+        let load = |(first, second)| decode(code, components, first, second);
+        pairs.into_par_iter().with_min_len(4).map(load).collect()
+    }
+
+    /// Leaves as many redexes in the queue as the free memory holds in the worst case of one rewrite each, at
+    /// least one: breadth turns into depth when memory runs low.
+    fn limit_queue(&self, pairs: &mut [Pair], records: &mut Vec<Record>) {
+        let each = u64::from(self.pool.code.longest_emission.max(1)) * TOKEN_BYTES;
+        let most = (self.pool.limits.free_memory() / each).max(1);
+        if records.len() as u64 > most {
+            keep_first(most as usize, pairs, records);
+        }
+    }
+
+    fn write(&self, pairs: &[Pair], grants: &[Option<allocate::Grant>], outputs: &[Output]) -> Vec<Tokens> {
+        let mut firsts = Vec::with_capacity(pairs.len());
+        let mut next = 0;
+        for pair in pairs {
+            firsts.push(next);
+            next += pair.redexes.len();
+        }
+        let write = |(pair, first): (&Pair, &usize)| {
+            splice(pair, &grants[*first..*first + pair.redexes.len()], outputs, self.block)
+        };
+        let written: Vec<Vec<Tokens>> = pairs.par_iter().zip(&firsts).with_min_len(4).map(write).collect();
+        written.into_iter().flatten().collect()
+    }
+
+    fn charge(&mut self, length: u64, function: &str) -> Result<(), RunError> {
+        self.pool.limits.hold(self.held, length * TOKEN_BYTES, function)?;
+        self.held = length * TOKEN_BYTES;
+        Ok(())
+    }
+
+    fn first_function(&self, stream: &Tokens) -> &'r str {
+        let first = stream.functions_in(0, stream.len()).next();
+        first.map_or("", |at| self.pool.code.function(stream.words()[at]))
+    }
+}
+
+/// Forgets all redexes but the first ones.
+fn keep_first(count: usize, pairs: &mut [Pair], records: &mut Vec<Record>) {
+    records.truncate(count);
+    for (at, pair) in pairs.iter_mut().enumerate() {
+        let first = records.partition_point(|r| r.pair < at);
+        let last = records.partition_point(|r| r.pair <= at);
+        pair.redexes.truncate(last - first);
+    }
+}
+
+fn lap(since: Instant, total: &mut Duration) {
+    *total += since.elapsed();
+}

@@ -1,0 +1,76 @@
+//! How deep the lanes of a round go: few redexes are expanded breadth first, plenty are finished depth first.
+
+use crate::config::{Config, Rewriter};
+
+/// Rewrites of a lane in a deep round, few enough to share out again what is left of unequal work.
+const DEEP: u64 = 1 << 20;
+/// The first depth of a stream whose redexes do not become more.
+const PATIENT: u64 = 64;
+/// Redexes for each thread that are plenty.
+const PLENTY: usize = 32;
+/// Depth of block rounds on a stream that is not narrow.
+const BLOCK_DEPTH: u64 = 16;
+
+pub enum Schedule {
+    Fixed(u64),
+    Adaptive(Adaptive),
+}
+
+pub struct Adaptive {
+    /// Redexes that are plenty, and the depth then.
+    plenty: (usize, u64),
+    /// Depth while redexes become more.
+    growing: u64,
+    /// Depth while they do not, doubled every time.
+    narrow: u64,
+    /// Redexes of the last round.
+    before: usize,
+}
+
+impl Schedule {
+    pub fn new(config: &Config, threads: usize) -> Schedule {
+        let (deep, growing) = match (config.depth, config.rewriter) {
+            (Some(depth), _) => return Schedule::Fixed(u64::from(depth.max(1))),
+            (None, Rewriter::Block) => (BLOCK_DEPTH, BLOCK_DEPTH),
+            (None, _) => (DEEP, 1),
+        };
+        Schedule::Adaptive(Adaptive { plenty: (PLENTY * threads, deep), growing, narrow: PATIENT, before: 0 })
+    }
+
+    /// The depth for a round with so many redexes.
+    pub fn depth(&mut self, redexes: usize) -> u64 {
+        match self {
+            Schedule::Fixed(depth) => *depth,
+            Schedule::Adaptive(adaptive) => adaptive.depth(redexes),
+        }
+    }
+}
+
+impl Adaptive {
+    fn depth(&mut self, redexes: usize) -> u64 {
+        let grows = redexes > std::mem::replace(&mut self.before, redexes);
+        if redexes >= self.plenty.0 {
+            self.plenty.1
+        } else if grows {
+            self.growing
+        } else {
+            // A narrow stream: every round costs its whole length, so there are ever fewer rounds.
+            self.narrow = (self.narrow * 2).min(DEEP);
+            self.narrow
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn narrow_streams_go_deep_and_growing_ones_do_not() {
+        let mut schedule = Schedule::new(&Config::default(), 2);
+        assert_eq!([1, 2, 4, 8].map(|n| schedule.depth(n)), [1; 4]);
+        assert_eq!(schedule.depth(64), DEEP);
+        let narrow: Vec<u64> = (0..20).map(|_| schedule.depth(1)).collect();
+        assert!(narrow.windows(2).all(|w| w[0] <= w[1]) && narrow[19] == DEEP, "{narrow:?}");
+    }
+}

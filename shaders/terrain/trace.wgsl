@@ -1,0 +1,19 @@
+// SURFACE stands for the surface's name.
+struct trace_SURFACE_result {
+    r0: bool,
+    r1: f32,
+}
+
+fn trace_SURFACE(
+    ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, near: f32, far: f32,
+) -> trace_SURFACE_result {
+    let ray = terrain_enter(ox, oy, oz, dx, dy, dz, near, far);
+    if !ray.valid {
+        return trace_SURFACE_result(false, 0.0);
+    }
+    let s = terrain_walk_SURFACE(ray);
+    if s < 0.0 {
+        return trace_SURFACE_result(false, 0.0);
+    }
+    return trace_SURFACE_result(true, clamp(ray.start + s, near, far));
+}

@@ -1,0 +1,61 @@
+// A lane's window: literals already produced on the left, tokens still to be looked at on the right. The generated
+// functions see the stream through this file only.
+//
+// The right stack holds segments `[literals, last one deepest .., header]`, header = task | count << 16 on top, so
+// that popping one yields its literals in stream order and then its task.
+
+// Words of the window left free, so that one rewrite always fits.
+const ROOM: u32 = WINDOW - EMISSION;
+const HEADER_NONE: u32 = 0xffffu;
+
+var<workgroup> window: array<u32, LANES * WINDOW>;
+var<private> lane: u32;
+var<private> left: u32;
+var<private> right: u32;
+var<private> invoke: u32;
+var<private> fuel: i32;
+var<private> exhausted: bool;
+
+fn slot(index: u32) -> u32 {
+    return SLOT;
+}
+
+fn consume(n: u32) {
+    left -= n;
+}
+
+fn operand(index: u32) -> u32 {
+    return window[slot(left + index)];
+}
+
+fn literal(word: u32) {
+    GUARD
+    window[slot(left)] = word;
+    left += 1u;
+}
+
+fn later(word: u32) {
+    right += 1u;
+    window[slot(WINDOW - right)] = word;
+}
+
+fn live_word(index: u32) -> u32 {
+    return tables[TASKS + 1u + index];
+}
+
+fn move_word() {
+    let word = window[slot(WINDOW - right)];
+    right -= 1u;
+    window[slot(left)] = word;
+    left += 1u;
+}
+
+// Moves the literals of the nearest segment to the left and invokes its task.
+fn pop_segment() {
+    let header = window[slot(WINDOW - right)];
+    right -= 1u;
+    let count = header >> 16u;
+    MOVES
+    let task = header & 0xffffu;
+    invoke = select(task, NO_TASK, task == HEADER_NONE);
+}

@@ -1,0 +1,215 @@
+//! Looks for random programs on which two modes disagree, and shrinks the first one found.
+//!
+//! Many programs share one file, because compiling a shader is what takes the time; a disagreement is then shrunk
+//! on its own.
+
+use crate::case::{Call, Program, Settings};
+use crate::generate::{batch, program};
+use crate::judge::{Answer, Backend, Failure};
+use crate::mode::Mode;
+use crate::value::{Tolerance, Value};
+use proptest::collection::{VecStrategy, vec};
+use proptest::num::u32::Any;
+use proptest::prelude::any;
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+/// How many programs share one file.
+pub const BATCH: usize = 25;
+
+/// The most attempts to make a program smaller.
+const SHRINK_STEPS: usize = 400;
+
+/// Arguments of every entry.
+const INPUTS: &[(&str, &str)] = &[("3", "1.5"), ("-2147483648", "-0.25"), ("65539", "100.0")];
+
+/// A program on which a mode and the oracle disagree.
+#[derive(Debug)]
+pub struct Difference {
+    pub mode: Mode,
+    /// What the two answered.
+    pub told: String,
+    pub text: String,
+}
+
+/// Compares every mode with the oracle in single precision, to the bit, on `programs` random programs.
+pub fn search(
+    backend: &dyn Backend,
+    modes: &[Mode],
+    seed: u64,
+    programs: usize,
+) -> Result<(), Box<Difference>> {
+    let mut runner = TestRunner::new_with_rng(Config::default(), generator(seed));
+    let strategy = genes();
+    for _ in 0..programs.div_ceil(BATCH) {
+        let mut trees = Vec::new();
+        for _ in 0..BATCH {
+            trees.push(strategy.new_tree(&mut runner).expect("lists of numbers are never rejected"));
+        }
+        let lists: Vec<Vec<u32>> = trees.iter().map(ValueTree::current).collect();
+        for mode in modes {
+            if let Some((index, told)) = compare(backend, *mode, &lists) {
+                return Err(Box::new(shrink(backend, *mode, &mut trees[index], told)));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn genes() -> VecStrategy<Any> {
+    vec(any::<u32>(), 0..500)
+}
+
+fn generator(seed: u64) -> TestRng {
+    let mut bytes = [0; 32];
+    bytes[..8].copy_from_slice(&seed.to_le_bytes());
+    TestRng::from_seed(RngAlgorithm::ChaCha, &bytes)
+}
+
+/// Index of the first program on which the mode and the oracle disagree, and what they say.
+fn compare(backend: &dyn Backend, mode: Mode, lists: &[Vec<u32>]) -> Option<(usize, String)> {
+    let program = together(lists);
+    let calls: Vec<Call> = (0..lists.len())
+        .flat_map(|k| INPUTS.iter().map(move |(a, x)| (k, a, x)))
+        .map(|(k, a, x)| Call {
+            entry: "main".into(),
+            args: vec![k.to_string(), a.to_string(), x.to_string()],
+        })
+        .collect();
+    let settings = Settings::default();
+    let expected = backend.run(&program, &settings, Mode::OracleSingle, &calls);
+    let found = backend.run(&program, &settings, mode, &calls);
+    for (call, (expected, found)) in calls.iter().zip(expected.iter().zip(&found)) {
+        if !same(expected, found) {
+            let index = call.args[0].parse().unwrap_or(0);
+            return Some((index, told(mode, call, expected, found)));
+        }
+    }
+    (expected.len() != calls.len() || found.len() != calls.len()).then(|| (0, "an answer is missing".into()))
+}
+
+fn together(lists: &[Vec<u32>]) -> Program {
+    let programs: Vec<String> = lists.iter().enumerate().map(|(id, genes)| program(id, genes)).collect();
+    Program { name: "random.ghyll".into(), text: batch(&programs), files: Vec::new() }
+}
+
+/// Random programs have values: a failure is a difference, even if both fail.
+fn same(a: &Result<Answer, Failure>, b: &Result<Answer, Failure>) -> bool {
+    match (a, b) {
+        (Ok(a), Ok(b)) => match (Value::parse(&a.value), Value::parse(&b.value)) {
+            (Ok(a), Ok(b)) => a.agrees(&b, Tolerance::Given(0.0)),
+            _ => false,
+        },
+        _ => false,
+    }
+}
+
+fn told(mode: Mode, call: &Call, a: &Result<Answer, Failure>, b: &Result<Answer, Failure>) -> String {
+    let show = |answer: &Result<Answer, Failure>| match answer {
+        Ok(answer) => answer.value.clone(),
+        Err(failure) => format!("failed: {failure}"),
+    };
+    format!("main({}): oracle {}, {} {}", call.args.join(", "), show(a), mode.name(), show(b))
+}
+
+/// The smallest program found that still makes the mode disagree.
+fn shrink(
+    backend: &dyn Backend,
+    mode: Mode,
+    tree: &mut impl ValueTree<Value = Vec<u32>>,
+    found: String,
+) -> Difference {
+    let alone = |genes: Vec<u32>| compare(backend, mode, &[genes]).map(|(_, told)| told);
+    let mut best = (tree.current(), alone(tree.current()));
+    let mut go_on = best.1.is_some() && tree.simplify();
+    for _ in 0..SHRINK_STEPS {
+        if !go_on {
+            break;
+        }
+        let genes = tree.current();
+        go_on = match alone(genes.clone()) {
+            Some(told) => {
+                best = (genes, Some(told));
+                tree.simplify()
+            }
+            None => tree.complicate(),
+        };
+    }
+    let (genes, told) = best;
+    // A difference that needs its neighbours is shown as it was found.
+    Difference { mode, told: told.unwrap_or(found), text: together(&[genes]).text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Diagnostic;
+    use crate::judge::Picture;
+
+    /// Answers alike in every mode, but wrongly on the CPU where an entry's text holds the word.
+    struct Planted(&'static str);
+
+    impl Backend for Planted {
+        fn check(&self, _: &Program) -> Vec<Diagnostic> {
+            Vec::new()
+        }
+
+        fn run(
+            &self,
+            program: &Program,
+            _: &Settings,
+            mode: Mode,
+            calls: &[Call],
+        ) -> Vec<Result<Answer, Failure>> {
+            let answer = |call: &Call| {
+                let name = format!("_{}", call.args[0]);
+                let own = program.text.lines().any(|l| l.contains(&name) && l.contains(self.0));
+                let value = if own && mode == Mode::CpuAuto { "1.0000001" } else { "1.0" };
+                Ok(Answer { value: value.into(), rounds: None })
+            };
+            calls.iter().map(answer).collect()
+        }
+
+        fn render(
+            &self,
+            _: &Program,
+            _: &Settings,
+            _: Mode,
+            _: &crate::case::Render,
+        ) -> Result<Picture, Failure> {
+            Err(Failure::Run("no pictures".into()))
+        }
+
+        fn tasks(&self, _: &Program, _: &Settings, _: &str) -> Result<Vec<String>, Failure> {
+            Ok(Vec::new())
+        }
+
+        fn trace(&self, _: &Program, _: &Settings, _: &Call) -> Result<Vec<String>, Failure> {
+            Ok(Vec::new())
+        }
+    }
+
+    #[test]
+    fn a_planted_difference_is_found_and_shrunk() {
+        let found = search(&Planted("fold("), &[Mode::CpuLane, Mode::CpuAuto], 7, 100).expect_err("planted");
+        assert_eq!(found.mode, Mode::CpuAuto);
+        assert!(found.told.contains("1.0000001"), "{}", found.told);
+        assert!(found.text.contains("fold("));
+        assert!(found.text.len() < 1200, "not shrunk: {}", found.text);
+    }
+
+    #[test]
+    fn agreement_is_no_difference() {
+        assert!(search(&Planted("no such text"), &[Mode::CpuAuto], 7, 50).is_ok());
+    }
+
+    #[test]
+    fn a_seed_gives_its_programs_again() {
+        let list = |seed| {
+            let mut runner = TestRunner::new_with_rng(Config::default(), generator(seed));
+            genes().new_tree(&mut runner).map(|t| t.current()).unwrap_or_default()
+        };
+        assert_eq!(list(5), list(5));
+        assert_ne!(list(5), list(6));
+    }
+}

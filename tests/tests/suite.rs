@@ -1,0 +1,74 @@
+//! Runs the case files below `suite/`: one named trial for each case and mode.
+
+use ghyll_compiler::codes;
+use ghyll_tests::backend::Ghyll;
+use ghyll_tests::case::{self, Case, Expectation};
+use ghyll_tests::judge::{judge_broken, judge_mode, judge_program, runs};
+use ghyll_tests::mode::Mode;
+use libtest_mimic::{Arguments, Failed, Trial};
+use std::path::Path;
+use std::sync::Arc;
+
+fn main() {
+    let (cases, errors) = case::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("suite"));
+    let backend = Arc::new(Ghyll);
+    let count = cases.len();
+    let mut trials = vec![Trial::test("suite::headers", move || {
+        let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        if lines.is_empty() && count > 0 { Ok(()) } else { Err(lines.join("\n").into()) }
+    })];
+    let missing = codes_without_a_case(&cases);
+    trials.push(Trial::test("suite::codes", move || {
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(format!("no case expects {}", missing.join(", ")).into())
+        }
+    }));
+    for case in cases {
+        trials.extend(trials_of(Arc::new(case), &backend));
+    }
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+/// Codes of diagnostics that no case asks for, but for those that a short text cannot provoke.
+fn codes_without_a_case(cases: &[Case]) -> Vec<&'static str> {
+    let expected = |code: &str| {
+        let mut all = cases.iter().flat_map(|case| &case.expectations);
+        all.any(|e| matches!(e, Expectation::Diagnostic(d) if d.code == code))
+    };
+    let beyond = [codes::TOO_LONG, codes::TOO_COMPLEX, codes::FILE_MODULE];
+    codes::ALL.iter().map(|(code, _)| *code).filter(|c| !expected(c) && !beyond.contains(c)).collect()
+}
+
+/// `suite::recursion::numbers::fib::check`, and one for each mode.
+fn trials_of(case: Arc<Case>, backend: &Arc<Ghyll>) -> Vec<Trial> {
+    let name = format!("suite::{}::{}", case.topic.replace('/', "::"), case.name);
+    if let Some(reason) = case.broken.clone() {
+        let backend = backend.clone();
+        let modes: Vec<Mode> = case.modes.iter().copied().filter(|m| backend.runs(*m)).collect();
+        let run = move || told(judge_broken(&case, &reason, &*backend, &modes), &case);
+        return vec![Trial::test(format!("{name}::broken"), run)];
+    }
+    let mut trials = Vec::new();
+    {
+        let (case, backend) = (case.clone(), backend.clone());
+        trials.push(Trial::test(format!("{name}::check"), move || {
+            told(judge_program(&case, &*backend), &case)
+        }));
+    }
+    if !runs(&case) {
+        return trials;
+    }
+    for mode in case.modes.clone() {
+        let (case, backend) = (case.clone(), backend.clone());
+        let ignored = !backend.runs(mode);
+        let run = move || told(judge_mode(&case, mode, &*backend), &case);
+        trials.push(Trial::test(format!("{name}::{}", mode.name()), run).with_ignored_flag(ignored));
+    }
+    trials
+}
+
+fn told(verdict: Result<(), String>, case: &Case) -> Result<(), Failed> {
+    verdict.map_err(|text| format!("tests/suite/{}.ghyll:{}\n{text}", case.topic, case.line).into())
+}

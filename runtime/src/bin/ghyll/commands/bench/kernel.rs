@@ -18,16 +18,14 @@ const INTRINSICS: &[Intrinsic] = &[
     Intrinsic::Camera,
     Intrinsic::SunDir,
 ];
-/// Workgroups in flight on a software adapter, where each takes a thread; a GPU takes as many as there are tiles.
-const SOFTWARE_GROUPS: u32 = 32;
 
 pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
     groups: [wgpu::BindGroup; 2],
     picture: wgpu::Buffer,
-    counter: wgpu::Buffer,
     readback: wgpu::Buffer,
-    workgroups: u32,
+    /// Tiles in a row and in a column.
+    tiles: u32,
 }
 
 impl Kernel {
@@ -45,8 +43,7 @@ impl Kernel {
             label: Some("overhead kernel"),
             entries: &[
                 entry(0, wgpu::BufferBindingType::Storage { read_only: false }),
-                entry(1, wgpu::BufferBindingType::Storage { read_only: false }),
-                entry(2, wgpu::BufferBindingType::Uniform),
+                entry(1, wgpu::BufferBindingType::Uniform),
             ],
         });
         let layouts = [Some(&layout), Some(&terrain_layout)];
@@ -76,7 +73,6 @@ impl Kernel {
         let bytes = u64::from(size) * u64::from(size) * 16;
         let storage = wgpu::BufferUsages::STORAGE;
         let picture = buffer(bytes, storage | wgpu::BufferUsages::COPY_SRC);
-        let counter = buffer(4, storage | wgpu::BufferUsages::COPY_DST);
         let readback = buffer(bytes, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
         let frame = device.create_buffer_init(&BufferInitDescriptor {
             label: Some("overhead kernel"),
@@ -88,26 +84,23 @@ impl Kernel {
             layout: &layout,
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: picture.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: counter.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 2, resource: frame.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: frame.as_entire_binding() },
             ],
         });
-        let tiles = size.div_ceil(8) * size.div_ceil(8);
-        let workgroups = if gpu.info().software { SOFTWARE_GROUPS } else { tiles };
+        let tiles = size.div_ceil(8);
         let groups = [group, terrain.bind_group(device, &terrain_layout)];
-        Ok(Kernel { pipeline, groups, picture, counter, readback, workgroups })
+        Ok(Kernel { pipeline, groups, picture, readback, tiles })
     }
 
     /// Draws the picture and waits for it.
     pub fn draw(&self, gpu: &Gpu) -> Result<(), String> {
-        gpu.queue.write_buffer(&self.counter, 0, &[0; 4]);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &self.groups[0], &[]);
             pass.set_bind_group(1, &self.groups[1], &[]);
-            pass.dispatch_workgroups(self.workgroups, 1, 1);
+            pass.dispatch_workgroups(self.tiles, self.tiles, 1);
         }
         gpu.queue.submit([encoder.finish()]);
         wait(gpu)

@@ -72,8 +72,12 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
         if wanted.is_empty() {
             wanted = picture;
         } else if let Some(at) = first_difference(&wanted, &picture) {
+            let others = wanted.iter().zip(&picture).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
             return Err(Failure::Run(format!(
-                "{name} drew another picture than the kernel, first at pixel ({}, {}): its times mean nothing",
+                "{name} drew another picture than the kernel in {others} components, first {} for {} at pixel ({}, {}): \
+                 its times mean nothing",
+                picture[at],
+                wanted[at],
                 at / 3 % SIZE as usize,
                 at / 3 / SIZE as usize,
             )));

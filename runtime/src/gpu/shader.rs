@@ -99,9 +99,7 @@ fn moves(most: u32) -> String {
 fn window(shape: &Shape) -> Result<String, RunError> {
     let (memory, slot) = match shape.windows {
         Windows::Private => ("var<private> window: array<u32, WINDOW>;", "index"),
-        Windows::Workgroup => {
-            ("var<workgroup> window: array<u32, LANES * WINDOW>;", "index * LANES + lane")
-        }
+        Windows::Workgroup => ("var<workgroup> window: array<u32, LANES * WINDOW>;", "index * LANES + lane"),
     };
     let guard = if shape.can_exhaust { "if (exhausted) {\n        return;\n    }" } else { "" };
     let text = fill(&fill(WINDOW, "MEMORY", memory)?, "SLOT", slot)?;

@@ -11,7 +11,7 @@ pub const GRID: u32 = 32768;
 /// Where lanes keep their windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Windows {
-    /// Private memory: twice as fast on llvmpipe, but spills out of a GPU's registers.
+    /// Private memory: twice as fast on llvmpipe where lanes stay long, but spills out of a GPU's registers.
     Private,
     /// Workgroup memory, those of a workgroup word by word side by side.
     Workgroup,
@@ -72,7 +72,11 @@ impl Shape {
             burst: 64,
             expand: 8,
             pull: if config.rewriter == Rewriter::Block { 1 } else { window / 4 },
-            windows: if software { Windows::Private } else { Windows::Workgroup },
+            windows: if software && config.rewriter != Rewriter::Block {
+                Windows::Private
+            } else {
+                Windows::Workgroup
+            },
             can_exhaust: code.functions.contains("exhausted") || code.prelude.contains("exhausted"),
         })
     }

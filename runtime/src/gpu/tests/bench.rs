@@ -44,7 +44,11 @@ fn compare(gpu: &Gpu, stream: &[(u32, bool)], turns: usize, variants: &[Variant]
             };
             assert_eq!(outcome.words, [196_418]);
             if cold {
-                println!("{:24} cold: processor {:7.0} ms", variants[index].0, (processor_time() - before) * 1e3);
+                println!(
+                    "{:24} cold: processor {:7.0} ms",
+                    variants[index].0,
+                    (processor_time() - before) * 1e3
+                );
             }
             if turn >= 3 {
                 processor[index] += (processor_time() - before) / turns as f64;
@@ -82,8 +86,8 @@ fn fib_27_by_rewriter() {
         ("auto, checked", Config { trusted: false, ..Config::default() }, same),
         ("lane", of(Rewriter::Lane), same),
         ("block", of(Rewriter::Block), same),
-        ("auto, workgroup", of(Rewriter::Auto), |s| s.windows = Windows::Workgroup),
-        ("block, workgroup", of(Rewriter::Block), |s| s.windows = Windows::Workgroup),
+        ("auto, workgroup windows", of(Rewriter::Auto), |s| s.windows = Windows::Workgroup),
+        ("block, private windows", of(Rewriter::Block), |s| s.windows = Windows::Private),
         ("block, depth 8", Config { depth: Some(8), ..of(Rewriter::Block) }, same),
     ];
     compare(&gpu, &FIB_27, 5, &variants);

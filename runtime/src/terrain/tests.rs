@@ -28,6 +28,10 @@ impl Random {
         lo + (hi - lo) * self.unit()
     }
 
+    fn one_in(&mut self, n: u32) -> bool {
+        self.next().is_multiple_of(n)
+    }
+
     fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.next() as usize % from.len()]
     }
@@ -65,7 +69,7 @@ fn fields() -> Vec<(&'static str, Scene)> {
     list.push(("fine", field(50, 50, [1e-3, 2e-3], |c, r| ((c * r) % 7) as f32 * 1e-3)));
     list.push(("towers", field(30, 30, [1.0, 1.0], |c, r| if (c + 2 * r) % 11 == 0 { 1e5 } else { 0.0 })));
     let mut random = Random(2);
-    let holes = |_, _| if random.next() % 9 == 0 { f32::NAN } else { random.within(0.0, 50.0) as f32 };
+    let holes = |_, _| if random.one_in(9) { f32::NAN } else { random.within(0.0, 50.0) as f32 };
     list.push(("voids", field(31, 31, [10.0, 10.0], holes)));
     let mut list: Vec<_> = list.into_iter().map(|(name, t)| (name, scene(t))).collect();
     list.push(("fuji", scene(Terrain::builtin())));
@@ -86,7 +90,7 @@ fn ray(scene: &Scene, random: &mut Random) -> Ray {
         at + random.pick(&[0.0, 0.0, 0.5]) * terrain.spacing[axis]
     };
     let outside = |random: &mut Random, size: f64| random.within(-0.5 * size, 1.5 * size);
-    let exact = random.next() % 2 == 0;
+    let exact = random.one_in(2);
     let point = |random: &mut Random, z: f64| {
         if exact {
             [snap(random, 0), snap(random, 1), z]
@@ -99,7 +103,7 @@ fn ray(scene: &Scene, random: &mut Random) -> Ray {
         1 => lo + (random.next() % 8) as f64,
         _ => random.within(lo - 0.3 * tall, hi + 1.5 * tall),
     };
-    let z_to = if random.next() % 4 == 0 { z_from } else { random.within(lo - 0.2 * tall, hi) };
+    let z_to = if random.one_in(4) { z_from } else { random.within(lo - 0.2 * tall, hi) };
     let from = point(random, z_from);
     let to = point(random, z_to);
     let mut dir = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
@@ -114,8 +118,8 @@ fn ray(scene: &Scene, random: &mut Random) -> Ray {
     }
     let length = (dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2]).sqrt().max(1e-9);
     let unit = dir.map(|d| (d / length) as f32);
-    let near = if random.next() % 4 == 0 { random.within(0.0, 0.5 * length) } else { 0.0 };
-    let far = if random.next() % 4 == 0 { random.within(0.0, 2.0 * length) } else { 1e9 };
+    let near = if random.one_in(4) { random.within(0.0, 0.5 * length) } else { 0.0 };
+    let far = if random.one_in(4) { random.within(0.0, 2.0 * length) } else { 1e9 };
     [from[0] as f32, from[1] as f32, from[2] as f32, unit[0], unit[1], unit[2], near as f32, far as f32]
 }
 

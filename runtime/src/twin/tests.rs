@@ -407,7 +407,7 @@ fn compare_random(seed: u64) -> usize {
     let mut compared = 0;
     for depth in [0, 1, 3] {
         let args =
-            [Const::I32(depth), Const::Bool(seed % 2 == 0), Const::I32(3), Const::U32(4), Const::f32(2.5)];
+            [Const::I32(depth), Const::Bool(seed & 1 == 0), Const::I32(3), Const::U32(4), Const::f32(2.5)];
         let Ok(values) = run(&source, &args, &TestHost, FUEL) else { continue };
         let words: Vec<u32> = values.iter().map(|c| c.word()).collect();
         let expected = canonical(&values, &words);

@@ -153,7 +153,7 @@ mod tests {
     fn each_broken_invariant_is_found() {
         let literal = |c| Token::Literal(Atom::Const(c));
         let cases: [(&str, String); 6] = [
-            ("wants", broken(|t| drop(last_exit(t).remove(0)))),
+            ("wants", broken(|t| *last_exit(t) = last_exit(t).split_off(1))),
             ("wants", broken(|t| last_exit(t)[0] = literal(Const::U32(1)))),
             ("leave", broken(|t| last_exit(t).push(literal(Const::I32(1))))),
             ("no task 7", broken(|t| last_exit(t)[1] = Token::Function(TaskId(7)))),

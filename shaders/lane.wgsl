@@ -19,13 +19,14 @@ var<private> stop_fuel: i32; // fuel at which the record's depth is used up
 var<private> rewritten: u32;
 
 fn burst() {
-    turns += BURST + 4u;
     let before = fuel;
     let steps_before = rewritten;
     run_burst();
     // Fused loops spend fuel, a unit a turn.
     let spent = before - fuel - i32(rewritten - steps_before);
     charge(u32(max(spent, 0)));
+    // The lanes of a workgroup go through a burst together, those that have much to do.
+    turns += min(LOCKSTEP * (rewritten - steps_before + 1u), BURST) + 4u;
 }
 
 fn run_burst() {

@@ -223,7 +223,9 @@ impl Engine {
         let parallel = self.gpu.parallel_groups();
         match self.config.threads {
             Some(threads) => (threads / self.shape.lanes).clamp(1, 65535),
-            None if self.gpu.info().software => parallel * 16,
+            // Expansion stops when all lanes are busy; the paper's rounds have no use for that.
+            None if self.gpu.info().software && self.config.rewriter != Rewriter::Block => parallel * 4,
+            None if self.gpu.info().software => parallel * 256,
             None => parallel * 4,
         }
     }

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use super::code::Rewriter;
-use super::engine::{Ended, Engine, Frame, Job};
+use super::engine::{Ended, Engine, Frame, Job, Stats};
 use super::error::RunError;
 use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
 use super::shader::Kernel;
@@ -32,6 +32,14 @@ fn pixel_at(index: u32, width: u32) -> (u32, u32) {
 impl Engine {
     /// Renders `entry`, a task from pixel position (x, y) to as many words as the engine was made for.
     pub fn render(&mut self, width: u32, height: u32, entry: u32) -> Result<Frame, RunError> {
+        let start = Instant::now();
+        let stats = self.draw(width, height, entry)?;
+        let words = self.picture(width, height)?;
+        Ok(Frame { words, stats: Stats { time: start.elapsed(), ..stats } })
+    }
+
+    /// As [`Engine::render`], leaving the picture on the device.
+    pub fn draw(&mut self, width: u32, height: u32, entry: u32) -> Result<Stats, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
         self.fit(width, height)?;
@@ -42,9 +50,14 @@ impl Engine {
         } else {
             self.draw_pixels(&mut job, width, height, entry)?;
         }
+        Ok(self.close(job, compiled))
+    }
+
+    /// The picture that was last drawn, of the same size.
+    pub fn picture(&mut self, width: u32, height: u32) -> Result<Vec<f32>, RunError> {
         let words = (width * height * self.shape.components) as usize;
         let bits = self.readback.read(&self.gpu, &[(&self.buffers.image, 0, words)])?;
-        Ok(Frame { words: bytemuck::cast_vec(bits), stats: self.close(job, compiled) })
+        Ok(bytemuck::cast_vec(bits))
     }
 
     /// The picture on the device: words as in [`Frame`], valid until the next call.

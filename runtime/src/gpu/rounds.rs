@@ -1,6 +1,6 @@
 //! Rounds until normal form: load a stream, play batches of rounds, give them memory and fuel, read the result.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::engine::{Ended, Engine, Job};
 use super::error::RunError;
@@ -167,11 +167,13 @@ impl Engine {
                 return Ok(Ended::Normal);
             }
             self.check_limits(job)?;
+            let cold = std::mem::take(&mut cold);
             if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
-                if state.idle >= 2 && !self.fuel.extend(time / rounds) {
+                let time = if cold { Duration::ZERO } else { time / rounds };
+                if state.idle >= 2 && !self.fuel.extend(time) {
                     return Err(self.loop_too_long(state));
                 }
-            } else if !std::mem::take(&mut cold) {
+            } else if !cold {
                 self.fuel.learn(time, full);
             }
             self.mend(job, state)?;

@@ -8,6 +8,15 @@ const LONGEST_BLOCK: u32 = 1 << 14;
 /// Workgroups per row of a dispatch; WebGPU allows 65535.
 pub const GRID: u32 = 32768;
 
+/// Where lanes keep their windows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Windows {
+    /// Private memory: twice as fast on llvmpipe where lanes stay long, but spills out of a GPU's registers.
+    Private,
+    /// Workgroup memory, those of a workgroup word by word side by side.
+    Workgroup,
+}
+
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shape {
     /// Words of a block.
@@ -30,8 +39,7 @@ pub struct Shape {
     pub expand: u32,
     /// Literals that a lane takes from the left at a time.
     pub pull: u32,
-    /// Windows of a workgroup lie word by word side by side (for coalescing), or one after the other.
-    pub interleaved: bool,
+    pub windows: Windows,
     /// Fused loops can run out of fuel.
     pub can_exhaust: bool,
 }
@@ -64,7 +72,11 @@ impl Shape {
             burst: 64,
             expand: 8,
             pull: if config.rewriter == Rewriter::Block { 1 } else { window / 4 },
-            interleaved: !software,
+            windows: if software && config.rewriter != Rewriter::Block {
+                Windows::Private
+            } else {
+                Windows::Workgroup
+            },
             can_exhaust: code.functions.contains("exhausted") || code.prelude.contains("exhausted"),
         })
     }

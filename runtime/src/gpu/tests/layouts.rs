@@ -3,7 +3,7 @@
 use super::super::code::{Code, Config};
 use super::super::layout::{self, PAIR_BYTES, Params, State};
 use super::super::shader::{Kernel, source};
-use super::super::shape::Shape;
+use super::super::shape::{Shape, Windows};
 use super::programs::picture;
 
 fn parse(kernel: Kernel, code: &Code, shape: &Shape) -> wgpu::naga::Module {
@@ -86,8 +86,8 @@ fn constants_have_the_same_values() {
 fn every_kernel_is_valid_whatever_its_sizes() {
     use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
     let (mut code, shape) = sample();
-    for exhaust in [false, true] {
-        let shape = Shape { can_exhaust: exhaust, interleaved: exhaust, lanes: 32, ..shape.clone() };
+    for (can_exhaust, windows) in [(false, Windows::Private), (true, Windows::Workgroup)] {
+        let shape = Shape { can_exhaust, windows, lanes: 32, ..shape.clone() };
         for kernel in Kernel::ALL {
             let module = parse(kernel, &code, &shape);
             Validator::new(ValidationFlags::all(), Capabilities::empty())

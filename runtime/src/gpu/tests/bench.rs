@@ -156,11 +156,14 @@ fn task_2() {
     super::programs::code(functions, &[("pixel", 2), ("escape", 2), ("colour", 1)], 4)
 }
 
+/// Name, whether `shade` is there, what is changed in the sizes, and a lane's share of steps.
+type PictureVariant = (&'static str, bool, fn(&mut Shape), i32);
+
 #[test]
 #[ignore = "a measurement, not a test"]
 fn picture_by_lanes_and_directly() {
     let Some(gpu) = gpu() else { return };
-    let variants: [(&str, bool, fn(&mut Shape), i32); 7] = [
+    let variants: [PictureVariant; 7] = [
         ("direct", true, |_| {}, 256),
         ("lanes", false, |_| {}, 256),
         ("lanes, workgroup windows", false, |s| s.windows = Windows::Workgroup, 256),

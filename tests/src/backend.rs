@@ -4,31 +4,71 @@ use crate::case::{self, Call, Program, Render, Settings};
 use crate::judge::{Answer, Backend, Failure, Picture};
 use crate::mode::Mode;
 use ghyll_compiler::argument::parse_arguments;
-use ghyll_compiler::diagnostic::{Report, Severity};
-use ghyll_compiler::front::{Checked, front};
-use ghyll_compiler::source::Source;
-use ghyll_compiler::typed::{Attributes, Expr, Function, FunctionId, Local, ParamId, Type};
+use ghyll_compiler::compile::{CompileError, Compiled, EntryKind, Options, check, compile, reach};
+use ghyll_compiler::diagnostic::{Diagnostic, Report, Severity};
+use ghyll_compiler::front::Checked;
+use ghyll_compiler::interpret::NoHost;
+use ghyll_compiler::source::{Source, SourceId};
+use ghyll_compiler::stream;
+use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::error::RunError;
-use ghyll_runtime::oracle::{self, OracleOptions, Precision};
+use ghyll_runtime::gpu::{Gpu, GpuOptions};
+use ghyll_runtime::machine::{Job, Machine, evaluate_argument};
+use ghyll_runtime::oracle::Precision;
+use ghyll_runtime::terrain::{Scene, SceneOptions, Terrain, View};
 use ghyll_runtime::value::Value;
+use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The project's own compiler and runtime.
-pub struct Ghyll;
+pub struct Ghyll {
+    gpu: Option<Gpu>,
+}
+
+/// No case needs longer unless it says so.
+const TIMEOUT: Duration = Duration::from_secs(20);
+
+/// The most streams of a trace.
+const TRACE_ROUNDS: usize = 1000;
 
 impl Ghyll {
+    /// Opens an adapter if there is one; what went wrong is for the caller to tell.
+    pub fn open() -> (Ghyll, Result<String, String>) {
+        match Gpu::new(&GpuOptions::default()) {
+            Ok(gpu) => {
+                let (name, backend) = (gpu.info().name.clone(), gpu.info().backend.clone());
+                (Ghyll { gpu: Some(gpu) }, Ok(format!("{name} ({backend})")))
+            }
+            Err(error) => (Ghyll { gpu: None }, Err(error.to_string())),
+        }
+    }
+
     /// Whether the mode can be run on this machine.
     pub fn runs(&self, mode: Mode) -> bool {
-        !mode.is_gpu() && mode.family() != "cpu"
+        !mode.is_gpu() || self.gpu.is_some()
+    }
+
+    fn machine(&self, mode: Mode) -> Result<Machine, Failure> {
+        match mode {
+            Mode::Oracle => Ok(Machine::Oracle(Precision::F64)),
+            Mode::OracleSingle => Ok(Machine::Oracle(Precision::F32)),
+            _ if !mode.is_gpu() => Ok(Machine::Cpu),
+            _ => match &self.gpu {
+                Some(gpu) => Ok(Machine::Gpu(Box::new(gpu.clone()))),
+                None => Err(Failure::Run("no adapter".into())),
+            },
+        }
     }
 }
 
 impl Backend for Ghyll {
     fn check(&self, program: &Program) -> Vec<case::Diagnostic> {
-        match front(source(program)) {
+        match check(source(program)) {
             Ok(checked) => {
-                let Checked { sources, warnings, .. } = checked;
-                diagnostics(&Report { sources, diagnostics: warnings })
+                let mut all = checked.warnings.clone();
+                all.extend(reach(&checked));
+                diagnostics(&Report { sources: checked.sources, diagnostics: all })
             }
             Err(report) => diagnostics(&report),
         }
@@ -41,26 +81,25 @@ impl Backend for Ghyll {
         mode: Mode,
         calls: &[Call],
     ) -> Vec<Result<Answer, Failure>> {
-        let run = |call: &Call| -> Result<Answer, Failure> {
-            let mut checked =
-                front(source(program)).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
-            let options = options(&mut checked, settings, mode)?;
-            let entry = entry(&checked, &call.entry)?;
-            let types: Vec<Type> =
-                checked.module.functions[entry.0 as usize].param_types().cloned().collect();
-            if types.len() != call.args.len() {
-                return Err(Failure::Input(format!("{} arguments are needed", types.len())));
+        let mut answers: Vec<Option<Result<Answer, Failure>>> = vec![None; calls.len()];
+        for first in 0..calls.len() {
+            if answers[first].is_some() {
+                continue;
             }
-            let mut args = Vec::new();
-            for (text, ty) in call.args.iter().zip(&types) {
-                args.push(value(&mut checked, text, ty)?);
+            let same: Vec<usize> =
+                (first..calls.len()).filter(|i| calls[*i].entry == calls[first].entry).collect();
+            match Ready::new(program, settings, &calls[first].entry, EntryKind::Value, (1, 1)) {
+                Ok(ready) => {
+                    let args: Vec<&[String]> = same.iter().map(|i| calls[*i].args.as_slice()).collect();
+                    let found = self.run_entry(&ready, settings, mode, &args);
+                    for (index, answer) in same.iter().zip(found) {
+                        answers[*index] = Some(answer);
+                    }
+                }
+                Err(failure) => same.iter().for_each(|i| answers[*i] = Some(Err(failure.clone()))),
             }
-            match oracle::evaluate(&checked.module, entry, &args, &options, None) {
-                Ok(value) => Ok(Answer { value: value.to_string(), rounds: None }),
-                Err(error) => Err(failure(error)),
-            }
-        };
-        calls.iter().map(run).collect()
+        }
+        answers.into_iter().flatten().collect()
     }
 
     fn render(
@@ -70,23 +109,177 @@ impl Backend for Ghyll {
         mode: Mode,
         render: &Render,
     ) -> Result<Picture, Failure> {
-        let mut checked =
-            front(source(program)).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
-        let options = options(&mut checked, settings, mode)?;
-        let entry = entry(&checked, &render.entry)?;
-        let (width, height) = (render.width, render.height);
-        let image =
-            oracle::render(&checked.module, entry, (width, height), &options, None).map_err(failure)?;
-        let components = image.len() as u32 / (width * height);
-        Ok(Picture { width, components, values: image.into_iter().map(|v| v as f32).collect() })
+        let size = (render.width, render.height);
+        let ready = Ready::new(program, settings, &render.entry, EntryKind::Image, size)?;
+        let machine = self.machine(mode)?;
+        let (image, _) = ready.job().render(&machine, size, &config(settings, mode)).map_err(failure)?;
+        let components = ready.compiled.result_words(&ready.checked.module);
+        let mut values = Vec::new();
+        for y in 0..render.height {
+            for x in 0..render.width {
+                values.extend_from_slice(image.pixel(x, y));
+            }
+        }
+        Ok(Picture { width: render.width, components, values })
     }
 
-    fn tasks(&self, _: &Program, _: &Settings, _: &str) -> Result<Vec<String>, Failure> {
-        Err(Failure::Run("no table".into()))
+    fn tasks(&self, program: &Program, settings: &Settings, entry: &str) -> Result<Vec<String>, Failure> {
+        let ready = Ready::of_any_kind(program, settings, entry)?;
+        let names: BTreeSet<String> =
+            ready.compiled.back.table.tasks.iter().map(|t| t.function.clone()).collect();
+        Ok(names.into_iter().collect())
     }
 
-    fn trace(&self, _: &Program, _: &Settings, _: &Call) -> Result<Vec<String>, Failure> {
-        Err(Failure::Run("no trace".into()))
+    fn trace(&self, program: &Program, settings: &Settings, call: &Call) -> Result<Vec<String>, Failure> {
+        let ready = Ready::new(program, settings, &call.entry, EntryKind::Value, (1, 1))?;
+        let words = ready.job().constants(&ready.values(&call.args)?).map_err(failure)?;
+        let back = &ready.compiled.back;
+        let first = stream::initial(&back.table, back.entry, &words);
+        let streams = stream::rounds(&back.table, first, &NoHost, 1 << 24).take(TRACE_ROUNDS);
+        streams
+            .map(|s| s.map(|s| stream::print(&back.table, &s)).map_err(|_| Failure::Run("stopped".into())))
+            .collect()
+    }
+}
+
+impl Ghyll {
+    /// One answer for each list of arguments of an entry; the GPU's pipelines are made once.
+    fn run_entry(
+        &self,
+        ready: &Ready,
+        settings: &Settings,
+        mode: Mode,
+        calls: &[&[String]],
+    ) -> Vec<Result<Answer, Failure>> {
+        let (job, config) = (ready.job(), config(settings, mode));
+        let machine = match self.machine(mode) {
+            Ok(machine) => machine,
+            Err(failure) => return vec![Err(failure); calls.len()],
+        };
+        let engine = match &machine {
+            Machine::Gpu(gpu) => Some(job.engine(gpu, &config, 0)),
+            _ => None,
+        };
+        let mut engine = match engine.transpose() {
+            Ok(engine) => engine,
+            Err(error) => return vec![Err(failure(error)); calls.len()],
+        };
+        let mut run = |args: &[String]| -> Result<Answer, Failure> {
+            let args = ready.values(args)?;
+            let Some(engine) = &mut engine else {
+                let (value, stats) = job.run(&machine, &args, &config).map_err(failure)?;
+                let rounds = (mode.family() == "cpu").then_some(stats.rounds as u32);
+                return Ok(Answer { value: value.to_string(), rounds });
+            };
+            let stream = job.stream(&args).map_err(failure)?;
+            let outcome = engine.run(&stream).map_err(|error| failure(error.into()))?;
+            let module = &ready.checked.module;
+            let value = Value::unflatten(&outcome.words, &ready.compiled.result, module).map_err(failure)?;
+            Ok(Answer { value: value.to_string(), rounds: Some(outcome.stats.rounds as u32) })
+        };
+        calls.iter().map(|args| run(args)).collect()
+    }
+}
+
+/// A compiled entry with the scene it looks at.
+struct Ready {
+    checked: Checked,
+    compiled: Compiled,
+    scene: Option<Scene>,
+}
+
+impl Ready {
+    fn new(
+        program: &Program,
+        settings: &Settings,
+        entry: &str,
+        kind: EntryKind,
+        size: (u32, u32),
+    ) -> Result<Ready, Failure> {
+        Ready::compile(program, settings, entry, Some(kind), size)
+    }
+
+    fn of_any_kind(program: &Program, settings: &Settings, entry: &str) -> Result<Ready, Failure> {
+        Ready::compile(program, settings, entry, None, (1, 1))
+    }
+
+    fn compile(
+        program: &Program,
+        settings: &Settings,
+        entry: &str,
+        want: Option<EntryKind>,
+        size: (u32, u32),
+    ) -> Result<Ready, Failure> {
+        let checked = check(source(program)).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
+        let options = Options {
+            entry: Some(entry.into()),
+            want,
+            set: settings.set.clone(),
+            live: settings.live.clone(),
+        };
+        let compiled = compile(&checked, &options).map_err(|error| match error {
+            CompileError::Program(report) => Failure::Diagnostics(diagnostics(&report)),
+            CompileError::Request(text) => Failure::Usage(text),
+        })?;
+        Ok(Ready { checked, compiled, scene: scene(settings, size)? })
+    }
+
+    fn job(&self) -> Job<'_> {
+        Job { checked: &self.checked, compiled: &self.compiled, scene: self.scene.as_ref() }
+    }
+
+    fn values(&self, texts: &[String]) -> Result<Vec<Value>, Failure> {
+        let params = &self.compiled.params;
+        if texts.len() != params.len() {
+            return Err(Failure::Usage(format!(
+                "{} arguments are needed, {} given",
+                params.len(),
+                texts.len()
+            )));
+        }
+        let value = |(text, ty): (&String, _)| {
+            let argument = parse_arguments(&self.checked.module, text, ty)
+                .map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
+            evaluate_argument(&self.checked, argument.expr, argument.locals, ty).map_err(failure)
+        };
+        texts.iter().zip(params).map(value).collect()
+    }
+}
+
+fn source(program: &Program) -> Source {
+    Source::new(&program.name, &program.text)
+}
+
+/// The height field of the header, seen from above.
+fn scene(settings: &Settings, size: (u32, u32)) -> Result<Option<Scene>, Failure> {
+    let Some(dem) = &settings.dem else { return Ok(None) };
+    let rows = dem.heights.chunks(dem.width as usize).rev();
+    let south_first: Vec<f32> = rows.flatten().copied().collect();
+    let spacing = [dem.spacing.0, dem.spacing.1];
+    let terrain = Terrain::from_heights(dem.width, dem.height, spacing, south_first)
+        .map_err(|error| Failure::Input(error.to_string()))?;
+    let options = SceneOptions { view: View::overview(), size, ..SceneOptions::default() };
+    Scene::new(Arc::new(terrain), &options).map(Some).map_err(|error| Failure::Input(error.to_string()))
+}
+
+fn config(settings: &Settings, mode: Mode) -> Config {
+    let rewriter = match mode {
+        Mode::CpuBlock | Mode::GpuBlock | Mode::GpuTinyBlocks => Rewriter::Block,
+        Mode::CpuLane | Mode::GpuLane => Rewriter::Lane,
+        _ => Rewriter::Auto,
+    };
+    let usual = Config::default();
+    Config {
+        rewriter,
+        depth: matches!(mode, Mode::CpuBlock | Mode::GpuBlock | Mode::GpuTinyBlocks).then_some(1),
+        block: if mode == Mode::GpuTinyBlocks { 32 } else { usual.block },
+        max_memory: settings.memory.unwrap_or(match mode {
+            Mode::GpuTinyArena => 256 << 10,
+            _ => usual.max_memory,
+        }),
+        timeout: settings.timeout.map_or(TIMEOUT, Duration::from_secs_f64),
+        trusted: mode == Mode::GpuTrusted,
+        ..usual
     }
 }
 
@@ -94,72 +287,23 @@ fn failure(error: RunError) -> Failure {
     Failure::Run(error.to_string())
 }
 
-fn source(program: &Program) -> Source {
-    Source::new(&program.name, &program.text)
-}
-
-fn entry(checked: &Checked, name: &str) -> Result<FunctionId, Failure> {
-    checked.module.function(name).ok_or_else(|| Failure::Input(format!("no function {name}")))
-}
-
-fn value(checked: &mut Checked, text: &str, ty: &Type) -> Result<Value, Failure> {
-    let argument = parse_arguments(&checked.module, text, ty).map_err(|r| Failure::Input(shown(&r)))?;
-    constant(checked, argument.expr, argument.locals, ty)
-}
-
-fn constant(checked: &mut Checked, body: Expr, locals: Vec<Local>, ty: &Type) -> Result<Value, Failure> {
-    let span = body.span;
-    let function = Function {
-        name: "argument".into(),
-        generics: Vec::new(),
-        params: Vec::new(),
-        result: ty.clone(),
-        locals,
-        body,
-        attributes: Attributes::default(),
-        library: false,
-        span,
-    };
-    checked.module.functions.push(function);
-    let id = FunctionId(checked.module.functions.len() as u32 - 1);
-    oracle::evaluate(&checked.module, id, &[], &OracleOptions::default(), None).map_err(failure)
-}
-
-fn options(checked: &mut Checked, settings: &Settings, mode: Mode) -> Result<OracleOptions, Failure> {
-    let mut options = OracleOptions::default();
-    if mode == Mode::OracleSingle {
-        options.precision = Precision::F32;
-    }
-    if let Some(timeout) = settings.timeout {
-        options.timeout = Duration::from_secs_f64(timeout);
-    }
-    for (name, text) in &settings.set {
-        let at = checked.module.params.iter().position(|p| p.name == *name);
-        let at = at.ok_or_else(|| Failure::Input(format!("no parameter {name}")))?;
-        let ty = checked.module.params[at].ty.clone();
-        let argument = parse_arguments(&checked.module, text, &ty).map_err(|r| Failure::Input(shown(&r)))?;
-        options.set.push((ParamId(at as u32), argument.expr));
-    }
-    Ok(options)
-}
-
-fn shown(report: &Report) -> String {
-    report.diagnostics.iter().map(|d| d.title.clone()).collect::<Vec<_>>().join("; ")
-}
-
+/// Diagnostics at places of the program's own text.
 fn diagnostics(report: &Report) -> Vec<case::Diagnostic> {
-    let place = |d: &ghyll_compiler::diagnostic::Diagnostic| {
-        let (span, label) = &d.primary;
-        let text = &report.sources.get(span.source).text;
-        let head = &text[..(span.start as usize).min(text.len())];
-        let line = head.matches('\n').count() as u32 + 1;
-        let column = head.rsplit('\n').next().unwrap_or("").chars().count() as u32 + 1;
-        let severity = match d.severity {
+    report.diagnostics.iter().map(|d| placed(report, d)).collect()
+}
+
+fn placed(report: &Report, d: &Diagnostic) -> case::Diagnostic {
+    let (span, label) = &d.primary;
+    let text = if span.source == SourceId(0) { &report.sources.get(span.source).text } else { "" };
+    let head = &text[..(span.start as usize).min(text.len())];
+    case::Diagnostic {
+        severity: match d.severity {
             Severity::Error => case::Severity::Error,
             Severity::Warning => case::Severity::Warning,
-        };
-        let part = format!("{} / {}", d.title, label);
-        case::Diagnostic { severity, code: d.code.into(), line, column, part }
-    };
-    report.diagnostics.iter().map(place).collect()
+        },
+        code: d.code.into(),
+        line: head.matches('\n').count() as u32 + 1,
+        column: head.rsplit('\n').next().unwrap_or_default().chars().count() as u32 + 1,
+        part: if label.is_empty() { d.title.clone() } else { format!("{}: {label}", d.title) },
+    }
 }

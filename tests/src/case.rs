@@ -41,12 +41,10 @@ pub struct Settings {
     pub set: Vec<(String, String)>,
     pub live: Vec<String>,
     pub dem: Option<Dem>,
-    /// Options of the view, as on the command line: `--eye 0,0,9`.
-    pub view: Vec<String>,
     /// Seconds.
     pub timeout: Option<f64>,
-    /// As on the command line: `64K`.
-    pub memory: Option<String>,
+    /// Bytes.
+    pub memory: Option<u64>,
 }
 
 /// A height field written in the header; rows from north to south.

@@ -11,8 +11,10 @@ use crate::value::{Tolerance, Value};
 pub enum Failure {
     /// Exit status 1.
     Diagnostics(Vec<Diagnostic>),
-    /// Exit status 1: an argument or a setting does not fit the program.
+    /// Exit status 1: an input is wrong.
     Input(String),
+    /// Exit status 2: what was asked for is not in the program.
+    Usage(String),
     /// Exit status 3.
     Run(String),
 }
@@ -21,6 +23,7 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Failure::Diagnostics(_) | Failure::Input(_) => 1,
+            Failure::Usage(_) => 2,
             Failure::Run(_) => 3,
         }
     }
@@ -33,7 +36,7 @@ impl std::fmt::Display for Failure {
                 let lines: Vec<String> = found.iter().map(shown).collect();
                 write!(f, "{}", lines.join("; "))
             }
-            Failure::Input(text) | Failure::Run(text) => write!(f, "{text}"),
+            Failure::Input(text) | Failure::Usage(text) | Failure::Run(text) => write!(f, "{text}"),
         }
     }
 }

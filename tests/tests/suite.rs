@@ -11,12 +11,16 @@ use std::sync::Arc;
 
 fn main() {
     let (cases, errors) = case::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("suite"));
-    let backend = Arc::new(Ghyll);
+    let (backend, adapter) = Ghyll::open();
+    let backend = Arc::new(backend);
     let count = cases.len();
-    let mut trials = vec![Trial::test("suite::headers", move || {
-        let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
-        if lines.is_empty() && count > 0 { Ok(()) } else { Err(lines.join("\n").into()) }
-    })];
+    let mut trials = vec![
+        adapter_trial(adapter),
+        Trial::test("suite::headers", move || {
+            let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            if lines.is_empty() && count > 0 { Ok(()) } else { Err(lines.join("\n").into()) }
+        }),
+    ];
     let missing = codes_without_a_case(&cases);
     trials.push(Trial::test("suite::codes", move || {
         if missing.is_empty() {
@@ -29,6 +33,19 @@ fn main() {
         trials.extend(trials_of(Arc::new(case), &backend));
     }
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+/// Says which adapter the trials reach; without one this fails where an adapter is required, else it is ignored like
+/// all trials on the GPU.
+fn adapter_trial(adapter: Result<String, String>) -> Trial {
+    let required = std::env::var_os("GHYLL_REQUIRE_GPU").is_some_and(|v| v != "0");
+    match &adapter {
+        Ok(name) => println!("adapter: {name}"),
+        Err(reason) => println!("adapter: none ({reason}); the GPU's trials are ignored"),
+    }
+    let missing = adapter.is_err();
+    Trial::test("suite::adapter", move || adapter.map(|_| ()).map_err(Failed::from))
+        .with_ignored_flag(missing && !required)
 }
 
 /// Codes of diagnostics that no case asks for, but for those that a short text cannot provoke.

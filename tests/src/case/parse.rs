@@ -153,8 +153,7 @@ fn header_line(case: &mut Case, word: &str, rest: &str) -> Read<()> {
         "tolerance" => last_render(case)?.tolerance = Some(picture_tolerance(rest)?),
         "set" => settings.set.push(pair(rest, '=')?),
         "live" => settings.live.push(required("a parameter's name", rest)?),
-        "view" => settings.view.push(required("an option", rest)?),
-        "memory" => settings.memory = Some(required("a size", rest)?),
+        "memory" => settings.memory = Some(bytes(rest)?),
         "timeout" => settings.timeout = Some(number(rest)?),
         "dem" => settings.dem = Some(dem(rest)?),
         "broken" => case.broken = Some(quoted(rest)?),
@@ -276,6 +275,15 @@ fn dem(rest: &str) -> Read<Dem> {
         return Err(format!("{width}x{height} samples are needed, {} are given", heights.len()));
     }
     Ok(Dem { width, height, spacing: (dx, dy), heights })
+}
+
+/// `64K`, `2M`.
+fn bytes(text: &str) -> Read<u64> {
+    let (digits, unit) = match text.strip_suffix(['K', 'M']) {
+        Some(digits) => (digits, if text.ends_with('K') { 1 << 10 } else { 1 << 20 }),
+        None => (text, 1),
+    };
+    digits.parse::<u64>().map(|n| n * unit).map_err(|_| format!("`{text}` is no size such as 64K"))
 }
 
 fn from_file(name: &mut String, path: &str) -> Read<String> {

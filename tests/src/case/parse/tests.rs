@@ -22,14 +22,14 @@ fn a_file_holds_many_cases() {
 
 #[test]
 fn every_word_is_understood() {
-    let header = "//# set k=1\n//# live k\n//# timeout 2\n//# memory 64K\n//# view --eye 0,0,1\n\
+    let header = "//# set k=1\n//# live k\n//# timeout 2\n//# memory 64K\n\
         //# dem 2x2 spacing 10,20 : 1 2 3 4.5\n//# warning W0601 at 1:4 \"unused\"\n//# fails main() => 3 \"fib\"\n\
         //# tasks main => g f\n//# rounds main(3) <= 4\n//# trace main()\n//# stream 1 2 f\n//# stream 3\n\
         //# render pixel 4x3\n//# pixel 1,2 => vec2(0.0, 1.0) ~ 0.1\n//# tolerance 0.5 but 0.01 because \"edges\"";
     let case = one(header);
     assert_eq!(case.settings.set, [("k".to_string(), "1".to_string())]);
     assert_eq!(case.settings.dem.as_ref().map(|d| (d.spacing, d.heights[3])), Some(((10.0, 20.0), 4.5)));
-    assert_eq!(case.settings.memory.as_deref(), Some("64K"));
+    assert_eq!(case.settings.memory, Some(64 << 10));
     assert_eq!(case.expectations.len(), 6);
     assert_eq!(
         case.expectations[2],
@@ -106,6 +106,8 @@ fn what_is_not_understood_is_refused() {
         "//# run main() => 1\n//# set k",
         "//# run main() => 1\n//# live",
         "//# run main() => 1\n//# timeout long",
+        "//# run main() => 1\n//# memory 64X",
+        "//# run main() => 1\n//# view north",
         "//# run main() => 1\n//# dem 2x2 spacing 1 : 1 2 3",
         "//# run main() => 1\n//# dem 2x2 : 1 2 3 4",
         "//# run main() => 1\n//# program no/such/file.ghyll",

@@ -74,6 +74,9 @@ fn execute(@builtin(local_invocation_index) local: u32) {
     while (open) {
         burst();
         let reason = serve();
+        if (reason == CUT_SHORT) {
+            break;
+        }
         if (reason != GO_ON) {
             finish(reason);
             open = draw(depth);

@@ -8,6 +8,7 @@ const GO_ON: u32 = 0u;
 const DRAINED: u32 = 1u;      // nothing to the right is left
 const STUCK_HERE: u32 = 2u;   // operands are missing to the left
 const INTERRUPTED: u32 = 3u;  // fuel, depth or memory is used up
+const CUT_SHORT: u32 = 4u;    // by the adapter; nothing may be used
 
 var<private> span: Span;
 var<private> low: u32;       // tokens [low, from) may be taken to the left
@@ -18,6 +19,17 @@ var<private> stop_fuel: i32; // fuel at which the record's depth is used up
 var<private> rewritten: u32;
 
 fn burst() {
+    let before = fuel;
+    let steps_before = rewritten;
+    run_burst();
+    // Fused loops spend fuel, a unit a turn.
+    let spent = before - fuel - i32(rewritten - steps_before);
+    charge(u32(max(spent, 0)));
+    // The lanes of a workgroup go through a burst together, those that have much to do.
+    turns += min(LOCKSTEP * (rewritten - steps_before + 1u), BURST) + 4u;
+}
+
+fn run_burst() {
     for (var step = 0u; step < BURST; step += 1u) {
         if (invoke == NO_TASK) {
             if (right == 0u) {
@@ -63,6 +75,7 @@ fn read_right() -> u32 {
             return GO_ON;
         }
         to_token += 1u;
+        charge(1u);
         window[slot(left)] = word;
         left += 1u;
     }
@@ -72,6 +85,7 @@ fn read_right() -> u32 {
 // Takes literals from the left of the record.
 fn read_left(wanted: u32) {
     let count = min(wanted, from_token - low);
+    charge(left + count);
     for (var index = left; index > 0u; index -= 1u) {
         window[slot(index - 1u + count)] = window[slot(index - 1u)];
     }
@@ -104,6 +118,9 @@ fn make_room(needed: u32, task: u32) -> u32 {
 
 // The window has no task to run: gets the next tokens.
 fn serve_idle() -> u32 {
+    if (turns > params.most_turns) {
+        fuel = 0;
+    }
     if (fuel <= stop_fuel) {
         return interrupt(latest, 0u);
     }
@@ -123,6 +140,9 @@ fn serve_idle() -> u32 {
 // The task to run lacks something.
 fn serve_task() -> u32 {
     latest = invoke;
+    if (turns > params.most_turns) {
+        fuel = 0;
+    }
     if (exhausted) {
         exhausted = false;
         return interrupt(invoke, FLAG_EXHAUSTED);
@@ -152,9 +172,14 @@ fn serve_task() -> u32 {
     return GO_ON;
 }
 
-var<private> latest: u32;
+var<private> latest: u32;    // task that was looked at last, for messages
+var<private> dead: bool;     // the adapter cuts this invocation's loops short
 
 fn serve() -> u32 {
+    dead = !loops_alive();
+    if (dead) {
+        return CUT_SHORT;
+    }
     if (invoke == NO_TASK) {
         if (right != 0u) {
             return GO_ON;
@@ -173,6 +198,7 @@ fn clear_lane() {
     far_left_fill = 0u;
     far_right = NONE;
     far_right_fill = 0u;
+    far_redexes = false;
 }
 
 // Output of one record, written by `put_word` and `put_bits` of the kernel.
@@ -180,6 +206,7 @@ var<private> put_count: u32;
 var<private> put_mask: u32;
 
 fn put(word: u32, function: bool) {
+    charge(1u);
     put_word(put_count, word);
     put_mask |= u32(function) << (put_count & 31u);
     put_count += 1u;
@@ -210,16 +237,20 @@ fn put_right() {
     }
 }
 
+// An interrupted lane gives its redexes to others if there are few; else it is suspended as a whole.
+fn share() -> bool {
+    return far_redexes && params.depth == 0u && state.previous < params.threshold;
+}
+
 // Writes what the lane holds as tokens; far stacks become resume tokens.
 fn publish(reason: u32) {
     put_count = 0u;
     put_mask = 0u;
-    if (far_left != NONE || far_right != NONE) {
-        if (reason == INTERRUPTED) {
-            put(RESUME | suspend(), true);
-        } else if (reason == DRAINED) {
-            put(RESUME | state_page(), true);
-        }
+    if (reason == INTERRUPTED && (far_left != NONE || far_right != NONE) && !share()) {
+        put(RESUME | suspend(), true);
+    }
+    if (far_left != NONE) {
+        put(RESUME | state_page(true, false), true);
     }
     put_left();
     if (invoke != NO_TASK) {
@@ -228,7 +259,7 @@ fn publish(reason: u32) {
     }
     put_right();
     if (far_right != NONE) {
-        put(RESUME | state_page(), true);
+        put(RESUME | state_page(false, true), true);
     }
     if ((put_count & 31u) != 0u) {
         put_bits(put_count >> 5u, put_mask);
@@ -246,6 +277,8 @@ fn begin_lane(local: u32) {
     spare = NONE;
     spares = 0u;
     rewritten = 0u;
+    turns = 0u;
+    dead = false;
     latest = NO_TASK;
     let wanted = min(atomicLoad(&state.records), state.limit);
     fuel = fuel_for(wanted);
@@ -254,7 +287,7 @@ fn begin_lane(local: u32) {
 
 fn end_lane() {
     release_pages();
-    if (!loops_alive()) {
+    if (dead || !loops_alive()) {
         atomicOr(&state.flags, FLAG_LOOPS);
         atomicStore(&state.culprit, latest);
     }

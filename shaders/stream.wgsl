@@ -39,8 +39,8 @@ struct Params {
     soft: i32,             // fuel below which a lane draws no further pixel
     parallel: u32,         // workgroups that the adapter runs at once
     cap: i32,              // most fuel of a lane, see loops_alive
-    turns: u32,            // 3
-    reserved: u32,
+    canary: u32,           // 3
+    most_turns: u32,       // loop turns after which a lane stops
 }
 
 struct State {
@@ -117,10 +117,10 @@ const RECORD_OFFSET: u32 = 7u;    // where they begin in the pair's new tokens
 // What such an invocation wrote is worthless; its last act is to say so, and the host starts over with less fuel.
 fn loops_alive() -> bool {
     var count = 0u;
-    while (count < params.turns) {
+    while (count < params.canary) {
         count += 1u;
     }
-    return count == params.turns;
+    return count == params.canary;
 }
 
 fn order_at(list: u32, index: u32) -> u32 {
@@ -139,11 +139,11 @@ fn arity(task: u32) -> u32 {
     if (task >= RESUME) {
         return 0u;
     }
-    return tables[task];
+    ARITY
 }
 
 fn give_back(block: u32) {
-    lists[freed_at(atomicAdd(&state.freed, 1u))] = block;
+    lists[freed_at(min(atomicAdd(&state.freed, 1u), params.capacity - 1u))] = block;
 }
 
 // Blocks that a round with so many records may need before its splice gives any back.
@@ -163,5 +163,5 @@ fn depth_for(redexes: u32) -> u32 {
     if (redexes > state.previous) {
         return EXPAND;
     }
-    return min(state.depth * 8u, DEEP);
+    return min(state.depth, DEEP / 8u) * 8u;
 }

@@ -8,7 +8,7 @@
 const ROOM: u32 = WINDOW - EMISSION;
 const HEADER_NONE: u32 = 0xffffu;
 
-var<workgroup> window: array<u32, LANES * WINDOW>;
+MEMORY
 var<private> lane: u32;
 var<private> left: u32;
 var<private> right: u32;

@@ -1,10 +1,9 @@
 // Baseline of `ghyll bench overhead`: the picture of fused.ghyll by a hand-written kernel with the same arithmetic. Terrain
-// functions come from shaders/terrain. Workgroups draw 8 x 8 tiles from a counter, an invocation is one row of a tile: the
-// fastest of the forms tried (docs/performance.md).
+// functions come from shaders/terrain. One invocation a pixel, a workgroup an 8 x 8 tile: the fastest of the forms tried
+// (docs/performance.md).
 
 @group(0) @binding(0) var<storage, read_write> picture: array<vec4<f32>>;
-@group(0) @binding(1) var<storage, read_write> next_tile: atomic<u32>;
-@group(0) @binding(2) var<uniform> frame: vec4<u32>;
+@group(0) @binding(1) var<uniform> frame: vec4<u32>;
 
 const FAR: f32 = 1e9;
 
@@ -55,31 +54,10 @@ fn color(x: f32, y: f32) -> vec3<f32> {
     return ground(at.z) * (0.25 + 0.75 * lambert(at, normal, spacing));
 }
 
-@compute @workgroup_size(8)
-fn kernel(@builtin(local_invocation_index) lane: u32) {
-    let columns = (frame.x + 7u) / 8u;
-    let rows = (frame.y + 7u) / 8u;
-    loop {
-        // A lane's own 8 pixels: column `lane` of the next tile.
-        let tile = workgroup_tile(lane);
-        if tile >= columns * rows {
-            break;
-        }
-        let x = (tile % columns) * 8u + lane;
-        for (var row = 0u; row < 8u; row++) {
-            let y = (tile / columns) * 8u + row;
-            if x < frame.x && y < frame.y {
-                picture[y * frame.x + x] = vec4<f32>(color(f32(x) + 0.5, f32(y) + 0.5), 1.0);
-            }
-        }
+@compute @workgroup_size(8, 8)
+fn kernel(@builtin(global_invocation_id) pixel: vec3<u32>) {
+    if pixel.x >= frame.x || pixel.y >= frame.y {
+        return;
     }
-}
-
-var<workgroup> drawn: u32;
-
-fn workgroup_tile(lane: u32) -> u32 {
-    if lane == 0u {
-        drawn = atomicAdd(&next_tile, 1u);
-    }
-    return workgroupUniformLoad(&drawn);
+    picture[pixel.y * frame.x + pixel.x] = vec4<f32>(color(f32(pixel.x) + 0.5, f32(pixel.y) + 0.5), 1.0);
 }

@@ -6,6 +6,8 @@
 mod recursion;
 mod walk;
 
+pub use crate::argument::{Argument, parse_arguments};
+
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::infer::{Body, ConstState, Env};

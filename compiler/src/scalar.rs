@@ -3,9 +3,12 @@
 //! Integers wrap; `x / 0 = x`, `x % 0 = 0`, `MIN / -1 = MIN`, `MIN % -1 = 0`; shifts use the low five bits. Float
 //! to integer saturates and NaN gives 0. `f32` remainder is `a - b * trunc(a / b)`, `fract` is `x - floor(x)`, `round`
 //! goes to even, `min(a, b)` is `b` if `b < a` else `a` and `max(a, b)` is `b` if `a < b` else `a`; `sign` of a NaN is 0.
-//! `pow(x, 0) = 1` for every x, else `pow(x, y)` is NaN for negative x as in WGSL, whatever y. What the operations'
-//! rows in [`PRIMS`](crate::core::prims::PRIMS) do not allow gives a zero of the result's scalar and does not
-//! occur in verified programs.
+//! `pow(x, 0) = 1` for every x, else `pow(x, y)` is NaN for negative x as in WGSL, whatever y. `atan2(y, x)` is y where
+//! both are zero. On a GPU, `min` and `max` of a NaN may be the other operand, and what WGSL leaves open (functions
+//! of NaN, trigonometry of huge angles) may differ.
+//!
+//! What the operations' rows in [`PRIMS`](crate::core::prims::PRIMS) do not allow gives a zero of the result's scalar
+//! and does not occur in verified programs.
 
 use crate::core::{Const, Prim, Scalar};
 
@@ -209,6 +212,7 @@ fn binary_f32(prim: Prim, a: f32, b: f32) -> Option<f32> {
         Prim::Min => a,
         Prim::Max if a < b => b,
         Prim::Max => a,
+        Prim::Atan2 if a == 0.0 && b == 0.0 => a,
         Prim::Atan2 => a.atan2(b),
         Prim::Pow if b == 0.0 => 1.0,
         Prim::Pow if a < 0.0 => f32::NAN,
@@ -266,6 +270,7 @@ mod tests {
         check(Min, &["1.0", "nan"], "1.0");
         check(Pow, &["-2.0", "2.0"], "nan");
         check(Pow, &["0.0", "0.0"], "1.0");
+        check(Atan2, &["-0.0", "-0.0"], "-0.0");
         check(Eq, &["nan", "nan"], "false");
         check(Ne, &["nan", "nan"], "true");
         check(InverseSqrt, &["4.0"], "0.5");

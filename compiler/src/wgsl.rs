@@ -2,7 +2,7 @@
 //! is fused whole. What it uses and declares is the contract in `docs/design.md`; entry points and bindings are
 //! the runtime's.
 //!
-//! All state is in function-local variables. A loop that is not known to be short spends `fuel` and gives up with
+//! Branches nest little, because drivers are not to be trusted with deep ones. All state is in function-local variables. A loop that is not known to be short spends `fuel` and gives up with
 //! `exhausted`. Constants are written so that no constant expression overflows or is not finite, because WGSL
 //! rejects those.
 
@@ -117,11 +117,26 @@ fn helper_function(table: &Table, needs: &mut Needs, i: usize, helper: &Function
     out + &writer.out
 }
 
+/// A decision tree and not a `switch`, because a driver may turn that into as many nested branches as there are
+/// cases, and llvmpipe gives wrong results beyond 80.
 fn rewrite(table: &Table) -> String {
-    let mut out = String::from("fn rewrite(task: u32) {\n    switch task {\n");
-    for i in 0..table.tasks.len() {
-        let _ = writeln!(out, "        case {i}u: {{ task_{i}(); }}");
+    let mut out = String::from("fn rewrite(task: u32) {\n");
+    decide(&mut out, 0, table.tasks.len(), 1);
+    out + "}\n"
+}
+
+fn decide(out: &mut String, first: usize, end: usize, depth: usize) {
+    let indent = "    ".repeat(depth);
+    if end - first == 1 {
+        let _ = writeln!(out, "{indent}task_{first}();");
     }
-    out += "        default: {}\n    }\n}\n";
-    out
+    if end - first < 2 {
+        return;
+    }
+    let middle = first.midpoint(end);
+    let _ = writeln!(out, "{indent}if (task < {middle}u) {{");
+    decide(out, first, middle, depth + 1);
+    let _ = writeln!(out, "{indent}}} else {{");
+    decide(out, middle, end, depth + 1);
+    let _ = writeln!(out, "{indent}}}");
 }

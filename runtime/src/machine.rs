@@ -254,7 +254,8 @@ fn gpu_config(config: &Config) -> gpu::Config {
     }
 }
 
-fn gpu_stats(gpu: &gpu::Stats) -> Stats {
+/// Figures of the engine in the common form.
+pub fn gpu_stats(gpu: &gpu::Stats) -> Stats {
     Stats {
         rounds: gpu.rounds,
         rewrites: gpu.rewrites,

@@ -92,7 +92,7 @@ fn terrain_enter(
             return ray;
         }
     }
-    if !(part.x <= part.y) {
+    if part.x > part.y {
         return ray;
     }
 

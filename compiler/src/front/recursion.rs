@@ -1,14 +1,16 @@
 //! What only the whole program shows: constants and parameters that need their own value, constants that
-//! read parameters, recursive functions marked `@inline`, and generic functions whose type arguments grow
-//! from call to call.
+//! read parameters, recursive functions marked `@inline`, generic functions whose type arguments grow from
+//! call to call, and functions handed to generic functions that compare.
 
 use std::collections::{HashMap, HashSet};
 
 use super::walk::walk;
+use crate::builtins::Builtin;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::resolve::size::holds_function;
 use crate::source::Span;
-use crate::typed::{ConstId, Expr, ExprKind, FunctionId, Module, ParamId, Type};
+use crate::typed::{BinaryOp, ConstId, Expr, ExprKind, FunctionId, Module, ParamId, Type};
 
 pub fn check(module: &Module, out: &mut Vec<Diagnostic>) {
     let values = Values::of(module);
@@ -22,6 +24,7 @@ pub fn check(module: &Module, out: &mut Vec<Diagnostic>) {
         values.check_inline(FunctionId(i as u32), &f.name, f.span, out);
     }
     growing(module, out);
+    compared_functions(module, out);
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -179,6 +182,57 @@ fn growing(module: &Module, out: &mut Vec<Diagnostic>) {
             );
         }
     }
+}
+
+/// Generic functions may compare values of a type parameter; then it must not be a function type.
+fn compared_functions(module: &Module, out: &mut Vec<Diagnostic>) {
+    let mut compared: HashSet<Slot> = HashSet::new();
+    let mut uses: Vec<(u32, FunctionId, &[Type], Span)> = Vec::new();
+    for (i, f) in module.functions.iter().enumerate() {
+        walk(&f.body, &mut |e| match &e.kind {
+            ExprKind::Binary(BinaryOp::Eq | BinaryOp::Ne, side, _) => {
+                compare(&mut compared, i as u32, &side.ty)
+            }
+            ExprKind::Builtin(Builtin::Select) => compare(&mut compared, i as u32, &e.ty),
+            ExprKind::Function(id, args) if !args.is_empty() => uses.push((i as u32, *id, args, e.span)),
+            _ => {}
+        });
+    }
+    loop {
+        let before = compared.len();
+        for (caller, callee, args, _) in &uses {
+            for (i, arg) in args.iter().enumerate() {
+                if compared.contains(&(callee.0, i as u32)) {
+                    compare(&mut compared, *caller, arg);
+                }
+            }
+        }
+        if compared.len() == before {
+            break;
+        }
+    }
+    for (_, callee, args, span) in uses {
+        let bad = (0..args.len())
+            .find(|&i| compared.contains(&(callee.0, i as u32)) && holds_function(module, &args[i]));
+        if let Some(i) = bad {
+            let f = &module.functions[callee.0 as usize];
+            let title = format!(
+                "`{}` compares values of type `{}`, which holds a function here",
+                f.name, f.generics[i]
+            );
+            out.push(
+                Diagnostic::error(codes::EQUALITY, span, title)
+                    .also(f.span, "defined here")
+                    .help("functions cannot be compared; pass data"),
+            );
+        }
+    }
+}
+
+fn compare(compared: &mut HashSet<Slot>, function: u32, ty: &Type) {
+    let mut params = Vec::new();
+    mentioned(ty, &mut params);
+    compared.extend(params.into_iter().map(|param| (function, param)));
 }
 
 fn mentioned(ty: &Type, into: &mut Vec<u32>) {

@@ -13,7 +13,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::exhaustive::{self, Coverage};
 use crate::resolve::declare::too_large;
-use crate::resolve::size::Sizes;
+use crate::resolve::size::{Sizes, holds_function};
 use crate::source::Span;
 use crate::typed::{
     Arm, BinaryOp, Expr, ExprKind, Let, Literal, Local, Module, Pattern, PatternKind, RangeForm, Type,
@@ -86,7 +86,7 @@ impl Finish<'_, '_> {
                 Err(Unfinished::Unknown(var)) => {
                     // One such report explains what is only computed from it.
                     let derived = matches!(self.infer.table.origin(var), Some(Origin::Value(_)));
-                    if !self.quiet && !(derived && self.infer.has_errors()) {
+                    if !(self.quiet || derived && self.infer.has_errors()) {
                         let diagnostic = unknown(self.infer.table.origin(var), span);
                         self.report(diagnostic);
                     }
@@ -253,14 +253,14 @@ impl Finish<'_, '_> {
         if !self.infer.has_errors()
             && let Some(missing) = exhaustive::refuted(self.module(), &pattern)
         {
+            let title = match missing.as_str() {
+                "_" => "this pattern does not fit every value".to_owned(),
+                missing => format!("this pattern does not fit `{missing}`"),
+            };
             self.report(
-                Diagnostic::error(
-                    codes::REFUTABLE,
-                    pattern.span,
-                    format!("this pattern does not fit `{missing}`"),
-                )
-                .label("may fail")
-                .help("a `let` and a parameter take patterns that always fit; use `match` for the others"),
+                Diagnostic::error(codes::REFUTABLE, pattern.span, title)
+                    .label("may fail")
+                    .help("a `let` and a parameter take patterns that always fit; use `match` for the others"),
             );
         }
         Let { pattern, value }
@@ -313,7 +313,7 @@ impl Finish<'_, '_> {
 
     fn comparable(&mut self, ty: Ty, span: Span) {
         let ty = self.ty(ty, span);
-        if !self.infer.has_errors() && self.has_function(&ty, &mut HashSet::new()) {
+        if !self.infer.has_errors() && holds_function(self.module(), &ty) {
             let shown = show_type(self.module(), self.infer.place.generics, &ty);
             self.report(
                 Diagnostic::error(
@@ -324,24 +324,6 @@ impl Finish<'_, '_> {
                 .help("compare the parts that are data"),
             );
         }
-    }
-
-    fn has_function(&self, ty: &Type, seen: &mut HashSet<Type>) -> bool {
-        let parts: Vec<Type> = match ty {
-            Type::Fn(..) => return true,
-            Type::Tuple(items) => items.clone(),
-            Type::Array(item, _) => vec![(**item).clone()],
-            Type::Struct(id, args) => {
-                let fields = &self.module().structs[id.0 as usize].fields;
-                fields.iter().map(|(_, t)| t.substitute(args)).collect()
-            }
-            Type::Enum(id, args) => {
-                let variants = &self.module().enums[id.0 as usize].variants;
-                variants.iter().flat_map(|v| &v.fields).map(|t| t.substitute(args)).collect()
-            }
-            _ => return false,
-        };
-        seen.insert(ty.clone()) && parts.iter().any(|part| self.has_function(part, seen))
     }
 }
 

@@ -1,76 +1,96 @@
-//! Bounds how deep blocks nest, because WGSL compilers refuse more than 127 nested braces: a block that lies
-//! too deep and has blocks inside becomes a function of its own.
+//! Bounds how deep branches and loops nest in what one rewrite evaluates, calls of helpers included.
+//!
+//! WGSL compilers refuse more than 127 nested braces, and drivers inline everything and may then give wrong results
+//! without a word (llvmpipe beyond 80 nested branches). A block that lies too deep becomes a task of its own, so
+//! that it is evaluated by another rewrite.
 
 use std::collections::HashSet;
 
+use crate::core::graph::Graph;
 use crate::core::walk::Free;
 use crate::core::{Atom, Block, FnId, Function, Mark, Op, Program, Stmt};
+use crate::split::tasks;
 
-/// Blocks around a block, in one function.
-const DEEPEST: usize = 40;
+/// Nesting allowed in all.
+const DEEPEST: usize = 32;
+/// Blocks that lie less deep than this stay, even if what is in them is too deep.
+const SHALLOW: usize = 16;
+/// A loop's exits are branches, too.
+const LOOP: usize = 3;
 
 pub fn bound(program: &mut Program) {
-    let mut names: HashSet<_> = program.functions.iter().map(|f| f.name.clone()).collect();
-    let mut at = 0;
-    while at < program.functions.len() {
-        let mut body = std::mem::take(&mut program.functions[at].body);
-        let mut outliner = Outliner {
-            function: at,
-            next: program.functions.len(),
-            program,
-            names: &mut names,
-            found: Vec::new(),
-        };
-        outliner.block(&mut body, 0);
-        let mut found = outliner.found;
-        program.functions[at].body = body;
-        program.functions.append(&mut found);
-        at += 1;
+    let is_task = tasks(program);
+    let names = program.functions.iter().map(|f| f.name.clone()).collect();
+    let heights = vec![0; program.functions.len()];
+    let mut bounder = Bounder { heights, is_task, names, found: Vec::new() };
+    for f in Graph::new(&program.functions).bottom_up {
+        let mut function = program.functions[f].clone();
+        let mut body = std::mem::take(&mut function.body);
+        let height = bounder.block(&mut function, &mut body, 0);
+        // What calls a task is a task, and its callers do not nest it.
+        bounder.is_task[f] |= bounder.calls_task(&body);
+        bounder.heights[f] = if bounder.is_task[f] { 0 } else { height };
+        function.body = body;
+        program.functions[f] = function;
     }
+    program.functions.append(&mut bounder.found);
 }
 
-struct Outliner<'a> {
-    program: &'a mut Program,
-    function: usize,
-    /// Index of the first function found.
-    next: usize,
-    names: &'a mut HashSet<String>,
+struct Bounder {
+    /// Nesting inside each function that is finished; 0 for tasks.
+    heights: Vec<usize>,
+    is_task: Vec<bool>,
+    names: HashSet<String>,
+    /// New functions, whose indices follow those of the program.
     found: Vec<Function>,
 }
 
-impl Outliner<'_> {
-    fn block(&mut self, block: &mut Block, depth: usize) {
-        if depth >= DEEPEST && block.stmts.iter().any(|s| !s.op.blocks().is_empty()) {
-            return self.outline(block);
-        }
-        for stmt in &mut block.stmts {
-            for inner in stmt.op.blocks_mut() {
-                self.block(inner, depth + 1);
-            }
-        }
+impl Bounder {
+    fn calls_task(&self, block: &Block) -> bool {
+        crate::core::walk::calls(&block.stmts).iter().any(|id| self.is_task[id.0 as usize])
     }
 
-    /// Puts a call in the place of the block's statements.
-    fn outline(&mut self, block: &mut Block) {
+    /// Nesting below the block, after blocks that lie too deep were taken out.
+    fn block(&mut self, f: &mut Function, block: &mut Block, depth: usize) -> usize {
+        let mut height = 0;
+        for stmt in &mut block.stmts {
+            let own = match &stmt.op {
+                Op::Call(id, _) => self.heights[id.0 as usize],
+                _ => 0,
+            };
+            let step = if matches!(stmt.op, Op::Loop(_)) { LOOP } else { 1 };
+            let inner = stmt.op.blocks_mut().into_iter().map(|b| step + self.block(f, b, depth + step)).max();
+            height = height.max(own).max(inner.unwrap_or(0));
+        }
+        if depth >= SHALLOW && depth + height > DEEPEST {
+            self.take_out(f, block);
+            return 0;
+        }
+        height
+    }
+
+    /// Puts a call of a new task in the place of the block's statements.
+    fn take_out(&mut self, f: &mut Function, block: &mut Block) {
         let mut free = Free::default();
         free.block(block);
         let params = free.vars();
-        let from = &mut self.program.functions[self.function];
-        let results: Vec<_> = block.results.iter().map(|a| from.scalar(*a)).collect();
-        let function = Function {
-            name: crate::split::lift::fresh_name(self.names, &format!("{}.deep", from.name)),
+        let results: Vec<_> = block.results.iter().map(|a| f.scalar(*a)).collect();
+        let task = Function {
+            name: crate::split::lift::fresh_name(&mut self.names, &format!("{}.deep", f.name)),
             params: params.clone(),
             results: results.clone(),
-            vars: from.vars.clone(),
+            vars: f.vars.clone(),
             body: std::mem::take(block),
-            mark: Mark::Auto,
-            span: from.span,
+            mark: Mark::Task,
+            span: f.span,
         };
-        let dst: Vec<_> = results.into_iter().map(|s| from.fresh(s)).collect();
+        let dst: Vec<_> = results.into_iter().map(|s| f.fresh(s)).collect();
         block.results = dst.iter().map(|v| Atom::Var(*v)).collect();
-        let id = FnId((self.next + self.found.len()) as u32);
+        let id = FnId(self.heights.len() as u32);
         let args = params.into_iter().map(Atom::Var).collect();
         block.stmts.push(Stmt { dst, op: Op::Call(id, args) });
-        self.found.push(function);
+        self.found.push(task);
+        self.heights.push(0);
+        self.is_task.push(true);
     }
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::load::{File, PRELUDE};
 use crate::builtins::{Builtin, Scope as Visibility};
-use crate::source::Span;
+use crate::source::{SourceId, Span};
 use crate::typed::{ConstId, EnumId, FunctionId, Module, ParamId, RasterId, StructId};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,27 +73,29 @@ impl Scopes {
     /// One scope with every name of a module, the user's before the library's: for arguments of a program.
     pub fn of_module(module: &Module) -> Scopes {
         let mut scope = Scope { terrain: true, ..Scope::default() };
-        for library in [false, true] {
-            for (i, f) in module.functions.iter().enumerate().filter(|(_, f)| f.library == library) {
+        for users in [true, false] {
+            // The user's text is the first.
+            let wanted = |span: Span| (span.source == SourceId(0)) == users;
+            for (i, f) in module.functions.iter().enumerate().filter(|(_, f)| wanted(f.span)) {
                 scope.add_value(&f.name, Value::Function(FunctionId(i as u32)), f.span);
             }
-        }
-        for (i, c) in module.consts.iter().enumerate() {
-            scope.add_value(&c.name, Value::Const(ConstId(i as u32)), c.span);
-        }
-        for (i, r) in module.rasters.iter().enumerate() {
-            scope.add_value(&r.name, Value::Raster(RasterId(i as u32)), r.span);
-        }
-        for (i, s) in module.structs.iter().enumerate() {
-            let id = StructId(i as u32);
-            scope.add_value(&s.name, Value::Struct(id), s.span);
-            scope.add_type(&s.name, TypeName::Struct(id), s.span);
-        }
-        for (i, e) in module.enums.iter().enumerate() {
-            let id = EnumId(i as u32);
-            scope.add_type(&e.name, TypeName::Enum(id), e.span);
-            for (v, variant) in e.variants.iter().enumerate() {
-                scope.add_value(&variant.name, Value::Variant(id, v as u32), e.span);
+            for (i, c) in module.consts.iter().enumerate().filter(|(_, c)| wanted(c.span)) {
+                scope.add_value(&c.name, Value::Const(ConstId(i as u32)), c.span);
+            }
+            for (i, r) in module.rasters.iter().enumerate().filter(|(_, r)| wanted(r.span)) {
+                scope.add_value(&r.name, Value::Raster(RasterId(i as u32)), r.span);
+            }
+            for (i, s) in module.structs.iter().enumerate().filter(|(_, s)| wanted(s.span)) {
+                let id = StructId(i as u32);
+                scope.add_value(&s.name, Value::Struct(id), s.span);
+                scope.add_type(&s.name, TypeName::Struct(id), s.span);
+            }
+            for (i, e) in module.enums.iter().enumerate().filter(|(_, e)| wanted(e.span)) {
+                let id = EnumId(i as u32);
+                scope.add_type(&e.name, TypeName::Enum(id), e.span);
+                for (v, variant) in e.variants.iter().enumerate() {
+                    scope.add_value(&variant.name, Value::Variant(id, v as u32), e.span);
+                }
             }
         }
         Scopes(vec![scope])

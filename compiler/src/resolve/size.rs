@@ -1,6 +1,7 @@
-//! Sizes of types in stream words. Everything saturates, so a type that grows exponentially is just large.
+//! Sizes of types in stream words, and what they hold. Everything saturates, so a type that grows
+//! exponentially is just large.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::typed::{Module, Type};
 
@@ -83,4 +84,26 @@ impl Sizes {
         }
         self.words(module, &ty.substitute(args))
     }
+}
+
+/// Whether values of a type hold functions.
+pub fn holds_function(module: &Module, ty: &Type) -> bool {
+    fn go(module: &Module, ty: &Type, seen: &mut HashSet<Type>) -> bool {
+        let parts: Vec<Type> = match ty {
+            Type::Fn(..) => return true,
+            Type::Tuple(items) => items.clone(),
+            Type::Array(item, _) => vec![(**item).clone()],
+            Type::Struct(id, args) => {
+                let fields = &module.structs[id.0 as usize].fields;
+                fields.iter().map(|(_, t)| t.substitute(args)).collect()
+            }
+            Type::Enum(id, args) => {
+                let variants = &module.enums[id.0 as usize].variants;
+                variants.iter().flat_map(|v| &v.fields).map(|t| t.substitute(args)).collect()
+            }
+            _ => return false,
+        };
+        seen.insert(ty.clone()) && parts.iter().any(|part| go(module, part, seen))
+    }
+    go(module, ty, &mut HashSet::new())
 }

@@ -114,3 +114,54 @@ fn effect(
     }
     Ok(Some(stack))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::{Atom, Const, Var, parse};
+    use crate::split::split;
+    use crate::table::TaskId;
+
+    fn fib() -> Table {
+        split(&parse::program(crate::split::tests::FIB).expect("parses")).0
+    }
+
+    /// The last exit of `fib`: `n-1 fib n-2 fib fib.1`.
+    fn last_exit(table: &mut Table) -> &mut Emission {
+        match &mut table.tasks[0].body.tail {
+            Tail::If(_, _, no) => match &mut no.tail {
+                Tail::Emit(emission) => emission,
+                other => panic!("{other:?}"),
+            },
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn broken(change: impl FnOnce(&mut Table)) -> String {
+        let mut changed = fib();
+        change(&mut changed);
+        table(&changed, &[]).expect_err("the table is broken")
+    }
+
+    #[test]
+    fn results_of_tasks_are_inferred() {
+        let results = table(&fib(), &[]).expect("the table is sound");
+        assert_eq!(results, [Some(vec![Scalar::I32]), Some(vec![Scalar::I32])]);
+    }
+
+    #[test]
+    fn each_broken_invariant_is_found() {
+        let literal = |c| Token::Literal(Atom::Const(c));
+        let cases: [(&str, String); 6] = [
+            ("wants", broken(|t| *last_exit(t) = last_exit(t).split_off(1))),
+            ("wants", broken(|t| last_exit(t)[0] = literal(Const::U32(1)))),
+            ("leave", broken(|t| last_exit(t).push(literal(Const::I32(1))))),
+            ("no task 7", broken(|t| last_exit(t)[1] = Token::Function(TaskId(7)))),
+            ("not defined", broken(|t| last_exit(t)[0] = Token::Literal(Atom::Var(Var(99))))),
+            ("operands of `again`", broken(|t| t.tasks[1].body.tail = Tail::Again(Vec::new()))),
+        ];
+        for (why, error) in cases {
+            assert!(error.contains(why), "{why}: {error}");
+        }
+    }
+}

@@ -118,9 +118,9 @@ impl<'a> Writer<'a> {
         }
         let words: Vec<_> = args.iter().map(|a| self.atom(*a)).collect();
         match (prim, args) {
-            // A constant zero divisor is an error in WGSL.
-            (Prim::Div, [_, Atom::Const(Const::I32(0) | Const::U32(0))]) => words[0].clone(),
-            (Prim::Rem, [_, Atom::Const(c @ (Const::I32(0) | Const::U32(0)))]) => constant(*c),
+            (Prim::Div | Prim::Rem, [_, Atom::Const(c @ (Const::I32(_) | Const::U32(_)))]) => {
+                self.by_constant(prim, on, &words, *c)
+            }
             (Prim::Shl | Prim::Shr, [_, Atom::Const(c)]) => {
                 let sign = if prim == Prim::Shl { "<<" } else { ">>" };
                 format!("{} {sign} {}u", words[0], c.word() & 31)
@@ -134,6 +134,17 @@ impl<'a> Writer<'a> {
                 }
                 text
             }
+        }
+    }
+
+    /// Division by a constant, which needs no check; a zero would be an error in WGSL.
+    fn by_constant(&mut self, prim: Prim, on: Scalar, words: &[String], divisor: Const) -> String {
+        match (prim, divisor) {
+            (Prim::Div, Const::I32(0) | Const::U32(0)) => words[0].clone(),
+            (_, Const::I32(0 | -1) | Const::U32(0)) if prim == Prim::Rem => constant(Const::from_word(on, 0)),
+            (_, Const::I32(-1)) => format!("-{}", words[0]),
+            (Prim::Div, _) => format!("{} / {}", words[0], words[1]),
+            _ => format!("{} % {}", words[0], words[1]),
         }
     }
 

@@ -4,23 +4,57 @@ use std::collections::BTreeSet;
 
 /// Name and text; only those used are written.
 const SUPPORT: &[(&str, &str)] = &[
+    // WGSL promises the same, but a module created without runtime checks does not keep it.
+    (
+        "i32_div",
+        "fn i32_div(a: i32, b: i32) -> i32 {
+    return a / i32_divisor(a, b);
+}
+",
+    ),
+    (
+        "i32_rem",
+        "fn i32_rem(a: i32, b: i32) -> i32 {
+    return a % i32_divisor(a, b);
+}
+",
+    ),
+    (
+        "i32_divisor",
+        "fn i32_divisor(a: i32, b: i32) -> i32 {
+    return select(b, 1, (b == 0) | ((a == i32(-2147483648)) & (b == -1)));
+}
+",
+    ),
+    (
+        "u32_div",
+        "fn u32_div(a: u32, b: u32) -> u32 {
+    return a / select(b, 1u, b == 0u);
+}
+",
+    ),
+    (
+        "u32_rem",
+        "fn u32_rem(a: u32, b: u32) -> u32 {
+    return a % select(b, 1u, b == 0u);
+}
+",
+    ),
     // Saturating; WGSL's own conversion may stop at the last f32 below the limit.
     (
         "f32_to_i32",
         "fn f32_to_i32(x: f32) -> i32 {
-    if (f32_is_nan(x)) { return 0; }
-    if (x >= 2147483648.0) { return 2147483647; }
-    if (x <= -2147483648.0) { return i32(-2147483648); }
-    return i32(x);
+    let high = select(i32(x), 2147483647, x >= 2147483648.0);
+    let both = select(high, i32(-2147483648), x <= -2147483648.0);
+    return select(both, 0, f32_is_nan(x));
 }
 ",
     ),
     (
         "f32_to_u32",
         "fn f32_to_u32(x: f32) -> u32 {
-    if (f32_is_nan(x) || x <= 0.0) { return 0u; }
-    if (x >= 4294967296.0) { return 4294967295u; }
-    return u32(x);
+    let high = select(u32(x), 4294967295u, x >= 4294967296.0);
+    return select(high, 0u, (x <= 0.0) | f32_is_nan(x));
 }
 ",
     ),
@@ -43,6 +77,14 @@ const SUPPORT: &[(&str, &str)] = &[
         "f32_pow",
         "fn f32_pow(x: f32, y: f32) -> f32 {
     return select(select(pow(x, y), f32_bits(0x7fc00000u), x < 0.0), 1.0, y == 0.0);
+}
+",
+    ),
+    // Drivers differ where both are zero.
+    (
+        "f32_atan2",
+        "fn f32_atan2(y: f32, x: f32) -> f32 {
+    return select(atan2(y, x), y, (y == 0.0) & (x == 0.0));
 }
 ",
     ),

@@ -212,8 +212,13 @@ fn invalid_text_is_rejected() {
     assert!(validate("fn f( {").is_err());
 }
 
+/// Most blocks around a statement of the text.
+fn nesting(text: &str) -> usize {
+    text.lines().map(|l| (l.len() - l.trim_start().len()) / 4).max().unwrap_or(0)
+}
+
 #[test]
-fn deep_nesting_is_valid() {
+fn nesting_is_bounded() {
     // A chain of 300 comparisons, once with plain values and once with a task call at the end.
     for last in ["yield 7", "d: i32 = sub.i32(n, 1000) r: i32 = call f(d) yield r"] {
         let mut body = format!("{last}\n");
@@ -225,10 +230,29 @@ fn deep_nesting_is_valid() {
         }
         let text = format!("entry f fn f(n: i32) -> (i32) {{ {body} }}");
         let run = move || {
-            let back = crate::back::back(parse::program(&text).expect("parses"));
+            let source = parse::program(&text).expect("parses");
+            let back = crate::back::back(source.clone());
             check(&back.wgsl);
+            assert!(nesting(&back.wgsl.text) < 40, "{}", nesting(&back.wgsl.text));
+            for n in [0, 20, 299, 1200] {
+                let args = [Const::I32(n)];
+                let direct = crate::interpret::run(&source, &args, &crate::interpret::NoHost, 100_000);
+                let rewritten = crate::split::tests::rewrite(&back.table, back.entry, &args, 100_000);
+                assert_eq!(rewritten, direct);
+            }
         };
         let thread = std::thread::Builder::new().stack_size(64 << 20).spawn(run).expect("the thread starts");
-        thread.join().expect("the text is valid");
+        thread.join().expect("nesting is bounded");
     }
+}
+
+#[test]
+fn many_tasks_are_chosen_from_by_a_tree() {
+    let calls: String = (0..200).map(|i| format!("a{}: i32 = call t{i}(a{i}) ", i + 1)).collect();
+    let tasks: String = (0..200)
+        .map(|i| format!("@task fn t{i}(x: i32) -> (i32) {{ y: i32 = xor.i32(x, {i}) yield y }}\n"))
+        .collect();
+    let text = written(&format!("entry f {tasks} fn f(a0: i32) -> (i32) {{ {calls} yield a200 }}")).text;
+    assert!(nesting(&text) <= 9, "{}", nesting(&text));
+    assert_eq!(text.matches("task_5();").count(), 1);
 }

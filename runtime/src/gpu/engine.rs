@@ -7,7 +7,7 @@ use super::code::{Code, Config, Rewriter};
 use super::device::Gpu;
 use super::error::RunError;
 use super::fuel::Fuel;
-use super::image::PIXEL_SHARE;
+use super::image::{PIXEL_FUEL, PIXEL_SHARE};
 use super::layout::{NO_TASK, Params, State};
 use super::pipelines::{Groups, Pipelines};
 use super::readback::Readback;
@@ -69,6 +69,7 @@ pub struct Engine {
     /// Workgroups that draw pixels in one dispatch, and the steps each lane makes for them.
     pub(super) pixel_groups: u32,
     pub(super) pixel_share: i32,
+    pub(super) pixel_fuel: i32,
     /// Tile rows that `direct` computes in one submission.
     pub(super) direct_rows: u32,
     live: Vec<u32>,
@@ -179,6 +180,7 @@ impl Engine {
             cap: gpu.loop_turns().map_or(i32::MAX, |turns| turns as i32 / 3),
             pixel_groups: gpu.parallel_groups() * 4,
             pixel_share: PIXEL_SHARE,
+            pixel_fuel: PIXEL_FUEL,
             direct_rows: 1,
         })
     }
@@ -221,7 +223,9 @@ impl Engine {
         let parallel = self.gpu.parallel_groups();
         match self.config.threads {
             Some(threads) => (threads / self.shape.lanes).clamp(1, 65535),
-            None if self.gpu.info().software => parallel * 16,
+            // Expansion stops when all lanes are busy; the paper's rounds have no use for that.
+            None if self.gpu.info().software && self.config.rewriter != Rewriter::Block => parallel * 4,
+            None if self.gpu.info().software => parallel * 256,
             None => parallel * 4,
         }
     }
@@ -242,7 +246,8 @@ impl Engine {
             threshold: (groups * self.shape.lanes).max(64),
             groups,
             cap: self.cap,
-            turns: 3,
+            canary: 3,
+            most_turns: self.gpu.loop_turns().map_or(u32::MAX >> 1, |turns| turns / 2),
             parallel: self.gpu.parallel_groups(),
             ..Params::default()
         }

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use super::code::Rewriter;
-use super::engine::{Ended, Engine, Frame, Job};
+use super::engine::{Ended, Engine, Frame, Job, Stats};
 use super::error::RunError;
 use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
 use super::shader::Kernel;
@@ -15,7 +15,8 @@ const STATE_WORDS: usize = size_of::<State>() / 4;
 /// Workgroups of one dispatch's row.
 const MOST_GROUPS: u32 = 32768;
 /// Steps that a lane may make in a dispatch before it leaves its last pixel to the rounds.
-const PIXEL_FUEL: i32 = 1 << 14;
+pub const PIXEL_FUEL: i32 = 1 << 13;
+const LEAST_PIXEL_FUEL: i32 = 32;
 /// Steps after which a lane draws no further pixel in a dispatch.
 pub const PIXEL_SHARE: i32 = 128;
 /// Steps of fused loops in one pixel of `direct`, to begin with.
@@ -31,6 +32,14 @@ fn pixel_at(index: u32, width: u32) -> (u32, u32) {
 impl Engine {
     /// Renders `entry`, a task from pixel position (x, y) to as many words as the engine was made for.
     pub fn render(&mut self, width: u32, height: u32, entry: u32) -> Result<Frame, RunError> {
+        let start = Instant::now();
+        let stats = self.draw(width, height, entry)?;
+        let words = self.picture(width, height)?;
+        Ok(Frame { words, stats: Stats { time: start.elapsed(), ..stats } })
+    }
+
+    /// As [`Engine::render`], leaving the picture on the device.
+    pub fn draw(&mut self, width: u32, height: u32, entry: u32) -> Result<Stats, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
         self.fit(width, height)?;
@@ -41,9 +50,14 @@ impl Engine {
         } else {
             self.draw_pixels(&mut job, width, height, entry)?;
         }
+        Ok(self.close(job, compiled))
+    }
+
+    /// The picture that was last drawn, of the same size.
+    pub fn picture(&mut self, width: u32, height: u32) -> Result<Vec<f32>, RunError> {
         let words = (width * height * self.shape.components) as usize;
         let bits = self.readback.read(&self.gpu, &[(&self.buffers.image, 0, words)])?;
-        Ok(Frame { words: bytemuck::cast_vec(bits), stats: self.close(job, compiled) })
+        Ok(bytemuck::cast_vec(bits))
     }
 
     /// The picture on the device: words as in [`Frame`], valid until the next call.
@@ -128,7 +142,7 @@ impl Engine {
         let total = width.div_ceil(8) * height.div_ceil(8) * 64;
         let mut pixel = 0;
         while pixel < total {
-            let fuel = self.cap.min(PIXEL_FUEL);
+            let fuel = self.cap.min(self.pixel_fuel);
             let soft = (fuel - self.pixel_share).max(0);
             let params = Params { width, height, entry, last: total, fuel, soft, ..self.params() };
             let groups = self.pixel_groups;
@@ -137,6 +151,7 @@ impl Engine {
             let time = self.play(job, Kernel::DrawPixels, [groups, 1], &params, &mut state)?;
             self.check_limits(job)?;
             if state.flags & FLAG_LOOPS != 0 {
+                state.culprit = entry;
                 self.lower_pixel_share(&state)?;
                 continue;
             }
@@ -152,12 +167,13 @@ impl Engine {
         Ok(())
     }
 
-    /// After loops were cut short by the adapter: fewer pixels for each lane of a dispatch, down to one.
+    /// After loops were cut short by the adapter: fewer pixels for a lane in one dispatch, and less of its last one.
     fn lower_pixel_share(&mut self, state: &State) -> Result<(), RunError> {
-        if self.pixel_share == 1 {
+        if self.pixel_share == 1 && self.pixel_fuel <= LEAST_PIXEL_FUEL {
             return Err(self.loop_too_long(state));
         }
         self.pixel_share = (self.pixel_share / 4).max(1);
+        self.pixel_fuel = (self.pixel_fuel / 4).max(LEAST_PIXEL_FUEL);
         Ok(())
     }
 

@@ -52,8 +52,8 @@ shared! {
         soft: i32,
         parallel: u32,
         cap: i32,
-        turns: u32,
-        reserved: u32,
+        canary: u32,
+        most_turns: u32,
     }
 }
 

@@ -33,3 +33,4 @@ pub use code::{Code, Config, Rewriter};
 pub use device::{Gpu, GpuOptions, Info};
 pub use engine::{Engine, Frame, Outcome, Scene, Stats};
 pub use error::{GpuError, RunError};
+pub use pipelines::trusted_module;

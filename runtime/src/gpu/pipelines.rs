@@ -114,10 +114,16 @@ impl Pipelines {
         layouts
     }
 
-    /// Compiles the kernel if that has not been done yet.
-    pub fn prepare(&mut self, gpu: &Gpu, kernel: Kernel, shape: &Shape, code: &Code) -> Result<(), RunError> {
+    /// Compiles the kernel; false if that had been done.
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        kernel: Kernel,
+        shape: &Shape,
+        code: &Code,
+    ) -> Result<bool, RunError> {
         if self.ready.contains_key(&kernel) {
-            return Ok(());
+            return Ok(false);
         }
         let start = Instant::now();
         let text = source(kernel, shape, code)?;
@@ -145,7 +151,7 @@ impl Pipelines {
         }
         self.ready.insert(kernel, pipeline);
         self.compiling += start.elapsed();
-        Ok(())
+        Ok(true)
     }
 
     fn module(&self, device: &wgpu::Device, kernel: Kernel, text: String) -> wgpu::ShaderModule {
@@ -153,23 +159,31 @@ impl Pipelines {
             label: Some(kernel.name()),
             source: wgpu::ShaderSource::Wgsl(Cow::Owned(text)),
         };
-        if !self.trusted {
-            return device.create_shader_module(descriptor);
-        }
-        let mut checks = wgpu::ShaderRuntimeChecks::checked();
-        checks.bounds_checks = false;
-        checks.force_loop_bounding = false;
-        // SAFETY: the kernels index only within the sizes that the engine passes them, array indices of the language
-        // are clamped by the compiler, and every loop has fuel. Integer division stays checked: the language
-        // defines it. The tests run both modes.
-        #[allow(unsafe_code)]
-        unsafe {
-            device.create_shader_module_trusted(descriptor, checks)
+        match self.trusted {
+            true => trusted_module(device, descriptor),
+            false => device.create_shader_module(descriptor),
         }
     }
 
     /// A kernel that `prepare` has compiled.
     pub fn get(&self, kernel: Kernel) -> Option<&wgpu::ComputePipeline> {
         self.ready.get(&kernel)
+    }
+}
+
+/// A shader without the bounds checks that wgpu adds.
+pub fn trusted_module(
+    device: &wgpu::Device,
+    descriptor: wgpu::ShaderModuleDescriptor,
+) -> wgpu::ShaderModule {
+    let mut checks = wgpu::ShaderRuntimeChecks::checked();
+    checks.bounds_checks = false;
+    checks.force_loop_bounding = false;
+    // SAFETY: the kernels index only within the sizes that the engine passes them, array indices of the language
+    // are clamped by the compiler, and every loop has fuel. Integer division stays checked: the language
+    // defines it. The tests run both modes.
+    #[allow(unsafe_code)]
+    unsafe {
+        device.create_shader_module_trusted(descriptor, checks)
     }
 }

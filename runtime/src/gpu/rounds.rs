@@ -1,6 +1,6 @@
 //! Rounds until normal form: load a stream, play batches of rounds, give them memory and fuel, read the result.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::engine::{Ended, Engine, Job};
 use super::error::RunError;
@@ -98,11 +98,13 @@ impl Engine {
         (share / cost).max(wide).min(u64::from(self.buffers.capacity.records)) as u32
     }
 
-    pub(super) fn prepare(&mut self, kernels: &[Kernel]) -> Result<(), RunError> {
+    /// Compiles kernels; true if any was not ready.
+    pub(super) fn prepare(&mut self, kernels: &[Kernel]) -> Result<bool, RunError> {
+        let mut cold = false;
         for kernel in kernels {
-            self.pipelines.prepare(&self.gpu, *kernel, &self.shape, &self.code)?;
+            cold |= self.pipelines.prepare(&self.gpu, *kernel, &self.shape, &self.code)?;
         }
-        Ok(())
+        Ok(cold)
     }
 
     pub(super) fn write(&self, params: &Params, state: &State) {
@@ -142,7 +144,8 @@ impl Engine {
 
     /// Plays rounds until only literals are left.
     pub(super) fn rewrite(&mut self, job: &mut Job, state: &mut State) -> Result<Ended, RunError> {
-        self.prepare(&STAGES)?;
+        // A driver may compile at the first dispatch, so the first submission's time says nothing.
+        let mut cold = self.prepare(&STAGES)?;
         loop {
             let rounds = self.fuel.rounds;
             let start = Instant::now();
@@ -154,11 +157,7 @@ impl Engine {
             *state = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words));
             let time = start.elapsed();
             job.stats.dispatches += u64::from(rounds) * STAGES.len() as u64;
-            if std::env::var("GHYLL_DBG").is_ok() {
-                eprintln!("{time:?} fuel {} rounds {rounds} {state:?}", self.fuel.steps);
-            }
-            let full = state.full;
-            state.full = 0;
+            let full = std::mem::take(&mut state.full);
             job.absorb(state);
             if state.flags & FLAG_LOOPS != 0 {
                 self.lower_cap(state)?;
@@ -168,11 +167,13 @@ impl Engine {
                 return Ok(Ended::Normal);
             }
             self.check_limits(job)?;
+            let cold = std::mem::take(&mut cold);
             if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
-                if state.idle >= 2 && !self.fuel.extend(time / rounds) {
+                let time = if cold { Duration::ZERO } else { time / rounds };
+                if state.idle >= 2 && !self.fuel.extend(time) {
                     return Err(self.loop_too_long(state));
                 }
-            } else {
+            } else if !cold {
                 self.fuel.learn(time, full);
             }
             self.mend(job, state)?;

@@ -2,7 +2,7 @@
 
 use super::code::Code;
 use super::error::RunError;
-use super::shape::Shape;
+use super::shape::{Shape, Windows};
 use super::template::fill;
 
 /// A kernel: a WGSL entry point with all it needs.
@@ -65,6 +65,24 @@ impl Kernel {
     }
 }
 
+/// Tasks up to which the arities are part of the code; beyond, they are read from a table.
+const INLINE_TASKS: usize = 32;
+
+/// WGSL that returns the arity of `task`: eight to a word where they fit, as a read from memory is dear.
+fn arity(shape: &Shape, code: &Code) -> String {
+    let mut arities = code.arities.clone();
+    arities.push(shape.components + 1);
+    if arities.len() > INLINE_TASKS || arities.iter().any(|arity| *arity > 15) {
+        return "return tables[task];".to_owned();
+    }
+    let pack = |group: &[u32]| group.iter().rev().fold(0u32, |word, arity| word << 4 | arity);
+    let mut text = "var word = 0u;".to_owned();
+    for (index, group) in arities.chunks(8).enumerate() {
+        text += &format!(" word = select(word, {:#x}u, task / 8u == {index}u);", pack(group));
+    }
+    text + " return (word >> (task % 8u * 4u)) & 15u;"
+}
+
 /// Words that are moved by straight code before a loop takes over.
 const UNROLLED: u32 = 4;
 
@@ -79,16 +97,21 @@ fn moves(most: u32) -> String {
 }
 
 fn window(shape: &Shape) -> Result<String, RunError> {
-    let slot = if shape.interleaved { "index * LANES + lane" } else { "lane * WINDOW + index" };
+    let (memory, slot) = match shape.windows {
+        Windows::Private => ("var<private> window: array<u32, WINDOW>;", "index"),
+        Windows::Workgroup => ("var<workgroup> window: array<u32, LANES * WINDOW>;", "index * LANES + lane"),
+    };
     let guard = if shape.can_exhaust { "if (exhausted) {\n        return;\n    }" } else { "" };
-    let text = fill(&fill(WINDOW, "SLOT", slot)?, "GUARD", guard)?;
+    let text = fill(&fill(WINDOW, "MEMORY", memory)?, "SLOT", slot)?;
+    let text = fill(&text, "GUARD", guard)?;
     fill(&text, "MOVES", &moves(shape.emission.saturating_sub(2)))
 }
 
 /// The whole WGSL of a kernel.
 pub fn source(kernel: Kernel, shape: &Shape, code: &Code) -> Result<String, RunError> {
     let header = shape.header();
-    let mut parts: Vec<&str> = vec![&header, STREAM];
+    let stream = fill(STREAM, "ARITY", &arity(shape, code))?;
+    let mut parts: Vec<&str> = vec![&header, &stream];
     let window = window(shape)?;
     let store = if shape.components == 0 { NO_STORE } else { STORE };
     match kernel {

@@ -8,6 +8,15 @@ const LONGEST_BLOCK: u32 = 1 << 14;
 /// Workgroups per row of a dispatch; WebGPU allows 65535.
 pub const GRID: u32 = 32768;
 
+/// Where lanes keep their windows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Windows {
+    /// Private memory: twice as fast on llvmpipe where lanes stay long, but spills out of a GPU's registers.
+    Private,
+    /// Workgroup memory, those of a workgroup word by word side by side.
+    Workgroup,
+}
+
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shape {
     /// Words of a block.
@@ -30,15 +39,14 @@ pub struct Shape {
     pub expand: u32,
     /// Literals that a lane takes from the left at a time.
     pub pull: u32,
-    /// Windows of a workgroup lie word by word side by side (for coalescing), or one after the other.
-    pub interleaved: bool,
+    pub windows: Windows,
     /// Fused loops can run out of fuel.
     pub can_exhaust: bool,
 }
 
-/// What a lane may leave behind: its window, a task, and the rest as one token.
+/// What a lane may leave behind: its window, a task, and what is far as one token on each side.
 fn output(window: u32) -> u32 {
-    window + 2
+    window + 3
 }
 
 impl Shape {
@@ -47,12 +55,12 @@ impl Shape {
         let arity = code.arities.iter().copied().max().unwrap_or(0).max(store);
         let emission = code.longest_emission.max(store + 1).max(4);
         let least = 4 * (arity + emission);
-        let block = config.block.max(least + 2).next_multiple_of(32);
+        let block = config.block.max(least + 3).next_multiple_of(32);
         if block > LONGEST_BLOCK {
             return Err(RunError::ArityTooLong { arity, limit: LONGEST_BLOCK / 8 });
         }
         let wide = config.rewriter == Rewriter::Block || components != 0;
-        let window = if wide { least } else { least.max(64) }.min(block - 2);
+        let window = if wide { least } else { least.max(64) }.min(block - 3);
         Ok(Shape {
             block,
             window,
@@ -64,7 +72,11 @@ impl Shape {
             burst: 64,
             expand: 8,
             pull: if config.rewriter == Rewriter::Block { 1 } else { window / 4 },
-            interleaved: !software,
+            windows: if software && config.rewriter != Rewriter::Block {
+                Windows::Private
+            } else {
+                Windows::Workgroup
+            },
             can_exhaust: code.functions.contains("exhausted") || code.prelude.contains("exhausted"),
         })
     }

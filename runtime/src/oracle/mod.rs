@@ -14,6 +14,9 @@ mod operator;
 mod pattern;
 mod terrain;
 
+#[cfg(test)]
+mod tests;
+
 use std::thread;
 use std::time::{Duration, Instant};
 

@@ -1,15 +1,18 @@
 //! Elevation data from files. One format a file in `dem/`; this one finds the format, and holds the limits that are
 //! checked before memory is asked for.
 
+mod bil;
 mod error;
 mod geo;
 mod geotiff;
 mod grid;
 mod hgt;
 mod npy;
+mod pgm;
 mod png;
 mod raw;
 mod text;
+mod zip;
 
 pub use error::DemError;
 
@@ -74,6 +77,7 @@ const MAGIC: &[(&[u8], Reader)] = &[
     (b"MM\0+", geotiff::read),
     (b"\x89PNG\r\n\x1a\n", png::read),
     (b"\x93NUMPY", npy::read),
+    (b"P5", pgm::read),
 ];
 const ENDINGS: &[(&str, Reader)] = &[
     ("tif", geotiff::read),
@@ -82,10 +86,14 @@ const ENDINGS: &[(&str, Reader)] = &[
     ("npy", npy::read),
     ("hgt", hgt::read),
     ("asc", text::read),
+    ("bil", bil::read),
+    ("pgm", pgm::read),
     ("f32", raw::read),
     ("raw", raw::read),
     ("bin", raw::read),
 ];
+
+const GZIP: &[u8] = &[0x1f, 0x8b];
 
 pub(super) fn open(path: &Path, options: &DemOptions) -> Result<Terrain, DemError> {
     let file = path.display().to_string();
@@ -107,10 +115,13 @@ pub(super) fn open(path: &Path, options: &DemOptions) -> Result<Terrain, DemErro
 
 /// Reads a DEM from memory; `file` names it in messages, and its ending and base name count as a file's.
 pub fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
-    let mut terrain = if bytes.starts_with(&[0x1f, 0x8b]) {
+    let mut terrain = if bytes.starts_with(GZIP) {
         let plain = inflate(file, bytes)?;
         let inner = file.strip_suffix(".gz").unwrap_or(file);
         read_plain(inner, &plain, options)?
+    } else if zip::is_zip(bytes) {
+        let (inner, plain) = zip::first(file, bytes)?;
+        read_plain(&inner, &plain, options)?
     } else {
         read_plain(file, bytes, options)?
     };
@@ -179,6 +190,16 @@ fn check_claim(file: &str, shape: (u64, u64), sample: u64, held: u64, packed: bo
         return Err(DemError::truncated(file, what));
     }
     Ok(())
+}
+
+/// Scale and offset of grey values, of which the highest is white.
+fn grey_range(file: &str, options: &DemOptions, white: f64) -> Result<(f64, f64), DemError> {
+    let [lo, hi] = options.heights.unwrap_or([0.0, white]);
+    if !(lo.is_finite() && hi.is_finite() && lo < hi) {
+        let what = format!("--heights {lo},{hi} is no range");
+        return Err(DemError::unsupported(file, what, "give the heights of black and white, lower first"));
+    }
+    Ok(((hi - lo) / white, lo))
 }
 
 #[cfg(test)]

@@ -103,7 +103,7 @@ impl<'a> Field<'a> {
     /// First t in [near, far] where the ray is over the field and on or under the surface.
     pub fn trace(&self, surface: Surface, ray: &WorldRay<f64>) -> Option<f64> {
         let WorldRay { origin, dir, near, far } = *ray;
-        if origin.iter().chain(&dir).any(|x| !x.is_finite()) {
+        if origin.iter().chain(&dir).any(|x| !x.is_finite()) || near.is_nan() || far.is_nan() {
             return None;
         }
         // Nothing lies above the highest sample; bounding an endless ray keeps the arithmetic finite.
@@ -125,7 +125,7 @@ impl<'a> Field<'a> {
         if dir[2] > 0.0 {
             to = to.min((self.high + 1e-6 - origin[2]) / dir[2]);
         }
-        if !(from <= to) {
+        if from > to {
             return None;
         }
 

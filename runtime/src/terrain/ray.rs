@@ -75,7 +75,7 @@ pub(super) fn enter(scene: &SceneUniform, ray: &WorldRay<f32>) -> Option<GridRay
             return None;
         }
     }
-    if !(from <= to) {
+    if from > to {
         return None;
     }
 

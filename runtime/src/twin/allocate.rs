@@ -34,7 +34,7 @@ pub fn allocate(queue: &[Record], outputs: &[Output], length: u64, room: u64) ->
     let mut length = length;
     let mut grant = |record: &Record| {
         let place = places.next()?;
-        let before = (record.redex.end + 1 - record.redex.start) as u64;
+        let before = (record.redex.to - record.redex.from) as u64;
         let after = (place.to - place.from) as u64;
         let granted = after <= before || length + after - before <= room;
         if granted {
@@ -62,10 +62,10 @@ mod tests {
 
     #[test]
     fn grants_stop_where_the_room_ends() {
-        let record = |start, end| Record { pair: 0, redex: Redex { start, end, task: 0 } };
+        let record = |from, at| Record { pair: 0, redex: Redex { from, at, task: 0, to: at + 1 } };
         let mut tokens = Tokens::default();
         tokens.push_literals(&[0; 9]);
-        let outputs = [Output { tokens, ends: vec![4, 8, 9], stored: vec![] }];
+        let outputs = [Output { tokens, ends: vec![4, 8, 9], ..Output::default() }];
         let queue = [record(0, 1), record(2, 3), record(4, 5)];
         let all = allocate(&queue, &outputs, 6, 100);
         assert!(all.grants.iter().all(Option::is_some));

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::decode::{Pair, Redex};
-use super::machine::Machine;
+use super::machine::{Machine, Stop};
 use super::pool::Pool;
 use super::tokens::Tokens;
 use crate::error::RunError;
@@ -22,6 +22,8 @@ pub struct Output {
     pub tokens: Tokens,
     /// Where each record's tokens end.
     pub ends: Vec<usize>,
+    /// Components of a pixel.
+    pub components: u32,
     /// Pixels that were taken from the stream: index, components.
     pub stored: Vec<(u32, Vec<u32>)>,
 }
@@ -39,14 +41,14 @@ pub fn execute(
     pool: &Pool,
     pairs: &[Pair],
     queue: &[Record],
-    depth: u64,
-    part: usize,
+    (depth, part): (u64, usize),
+    components: u32,
 ) -> Result<Vec<Output>, RunError> {
     let run = |records: &[Record]| {
         pool.with(|machine| {
-            let mut output = Output::default();
+            let mut output = Output { components, ..Output::default() };
             for record in records {
-                rewrite(pool, machine, &pairs[record.pair].tokens, record.redex, depth, &mut output)?;
+                rewrite(machine, &pairs[record.pair].tokens, record.redex, depth, &mut output)?;
             }
             Ok(output)
         })
@@ -55,24 +57,20 @@ pub fn execute(
 }
 
 fn rewrite(
-    pool: &Pool,
     machine: &mut Machine,
     tokens: &Tokens,
     redex: Redex,
     depth: u64,
     output: &mut Output,
 ) -> Result<(), RunError> {
-    let operands = &tokens.words()[redex.start..redex.end];
-    if redex.task == pool.code.store() {
-        if let [index, components @ ..] = operands {
-            output.stored.push((*index, components.to_vec()));
+    machine.begin(tokens, redex);
+    while machine.run(depth)? == Stop::Store {
+        match machine.take_store(output.components) {
+            Some(pixel) => output.stored.push(pixel),
+            None => break,
         }
-        pool.limits.spend(1, "store")?;
-    } else {
-        machine.begin(operands, redex.task);
-        machine.run(depth)?;
-        machine.publish(&mut output.tokens);
     }
+    machine.publish(&mut output.tokens);
     output.ends.push(output.tokens.len());
     Ok(())
 }

@@ -6,6 +6,7 @@
 use ghyll_compiler::core::Intrinsic;
 
 use super::code::{Code, MOST_LITERALS, NO_TASK, header};
+use super::decode::Redex;
 use super::instruction::{Flow, Instruction, Registers};
 use super::limits::Limits;
 use super::tokens::Tokens;
@@ -77,22 +78,31 @@ impl<'r> Machine<'r> {
         }
     }
 
-    /// Empties the window, then holds a redex: `operands task`.
-    pub fn begin(&mut self, operands: &[u32], task: u32) {
+    /// Empties the window, then holds a redex and its region.
+    pub fn begin(&mut self, tokens: &Tokens, redex: Redex) {
         self.clear();
-        self.left.extend_from_slice(operands);
-        self.invoke = task;
+        self.segments(tokens, redex.at + 1, redex.to);
+        self.left.extend_from_slice(&tokens.words()[redex.from..redex.at]);
+        self.invoke = redex.task;
     }
 
     /// Empties the window, then holds `tokens`, all still to be looked at.
     pub fn begin_stream(&mut self, tokens: &Tokens) {
         self.clear();
+        self.segments(tokens, 0, tokens.len());
+    }
+
+    /// Puts tokens `from..to` on the right stack.
+    fn segments(&mut self, tokens: &Tokens, from: usize, to: usize) {
         let words = tokens.words();
-        let mut functions: Vec<usize> = tokens.functions_in(0, words.len()).collect();
-        let (mut end, mut task) = (words.len(), NO_TASK);
+        let mut functions: Vec<usize> = tokens.functions_in(from, to).collect();
+        let (mut end, mut task) = (to, NO_TASK);
         loop {
             let before = functions.pop();
-            self.segment(&words[before.map_or(0, |at| at + 1)..end], task);
+            let literals = &words[before.map_or(from, |at| at + 1)..end];
+            if task != NO_TASK || !literals.is_empty() {
+                self.segment(literals, task);
+            }
             let Some(at) = before else { return };
             (end, task) = (at, words[at]);
         }
@@ -131,6 +141,15 @@ impl<'r> Machine<'r> {
     /// The left stack: the value of a window in normal form, the operands of a `store`.
     pub fn literals(&self) -> &[u32] {
         &self.left
+    }
+
+    /// Takes the operands of `store` from the window: pixel index, components.
+    pub fn take_store(&mut self, components: u32) -> Option<(u32, Vec<u32>)> {
+        let start = self.left.len().checked_sub(1 + components as usize)?;
+        let words = self.left.split_off(start);
+        self.invoke = NO_TASK;
+        let (index, components) = words.split_first()?;
+        Some((*index, components.to_vec()))
     }
 
     /// Writes the window as tokens: left, the function to come, right.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::allocate::{self, Allocation, TOKEN_BYTES, allocate};
+use super::allocate::{self, Allocation, Grant, TOKEN_BYTES, allocate};
 use super::decode::{Pair, decode};
 use super::execute::{Output, Record, execute, queue};
 use super::pool::Pool;
@@ -100,7 +100,8 @@ impl<'p, 'r> Rounds<'p, 'r> {
         self.charge(length, function)?;
 
         let clock = Instant::now();
-        self.order = self.write(&pairs, &grants, &outputs);
+        let block = self.schedule.block(self.block, length as usize, records.len());
+        self.order = write(&pairs, &grants, &outputs, block);
         lap(clock, &mut self.stats.splice);
 
         self.odd = !self.odd;
@@ -117,7 +118,7 @@ impl<'p, 'r> Rounds<'p, 'r> {
     ) -> Result<(Vec<Output>, Allocation), RunError> {
         let clock = Instant::now();
         let part = (records.len() / (8 * rayon::current_num_threads())).clamp(1, 256);
-        let outputs = execute(self.pool, pairs, records, depth, part)?;
+        let outputs = execute(self.pool, pairs, records, (depth, part), self.components)?;
         lap(clock, &mut self.stats.execute);
 
         let clock = Instant::now();
@@ -156,8 +157,8 @@ impl<'p, 'r> Rounds<'p, 'r> {
         while let Some(first) = blocks.next() {
             pairs.push((first, blocks.next()));
         }
-        let (code, components) = (self.pool.code, self.components);
-        let load = |(first, second)| decode(code, components, first, second);
+        let (code, components, regions) = (self.pool.code, self.components, self.schedule.regions());
+        let load = |(first, second)| decode(code, components, regions, first, second);
         pairs.into_par_iter().with_min_len(4).map(load).collect()
     }
 
@@ -171,20 +172,6 @@ impl<'p, 'r> Rounds<'p, 'r> {
         }
     }
 
-    fn write(&self, pairs: &[Pair], grants: &[Option<allocate::Grant>], outputs: &[Output]) -> Vec<Tokens> {
-        let mut firsts = Vec::with_capacity(pairs.len());
-        let mut next = 0;
-        for pair in pairs {
-            firsts.push(next);
-            next += pair.redexes.len();
-        }
-        let write = |(pair, first): (&Pair, &usize)| {
-            splice(pair, &grants[*first..*first + pair.redexes.len()], outputs, self.block)
-        };
-        let written: Vec<Vec<Tokens>> = pairs.par_iter().zip(&firsts).with_min_len(4).map(write).collect();
-        written.into_iter().flatten().collect()
-    }
-
     fn charge(&mut self, length: u64, function: &str) -> Result<(), RunError> {
         self.pool.limits.hold(self.held, length * TOKEN_BYTES, function)?;
         self.held = length * TOKEN_BYTES;
@@ -195,6 +182,21 @@ impl<'p, 'r> Rounds<'p, 'r> {
         let first = stream.functions_in(0, stream.len()).next();
         first.map_or("", |at| self.pool.code.function(stream.words()[at]))
     }
+}
+
+/// Splices all pairs.
+fn write(pairs: &[Pair], grants: &[Option<Grant>], outputs: &[Output], block: usize) -> Vec<Tokens> {
+    let mut firsts = Vec::with_capacity(pairs.len());
+    let mut next = 0;
+    for pair in pairs {
+        firsts.push(next);
+        next += pair.redexes.len();
+    }
+    let write = |(pair, first): (&Pair, &usize)| {
+        splice(pair, &grants[*first..*first + pair.redexes.len()], outputs, block)
+    };
+    let written: Vec<Vec<Tokens>> = pairs.par_iter().zip(&firsts).with_min_len(4).map(write).collect();
+    written.into_iter().flatten().collect()
 }
 
 /// Forgets all redexes but the first ones.

@@ -8,6 +8,8 @@ const DEEP: u64 = 1 << 20;
 const PATIENT: u64 = 64;
 /// Redexes for each thread that are plenty.
 const PLENTY: usize = 32;
+/// The greatest depth on a stream whose redexes do not become more.
+const NARROW: u64 = 1 << 24;
 /// Depth of block rounds on a stream that is not narrow.
 const BLOCK_DEPTH: u64 = 16;
 
@@ -25,6 +27,8 @@ pub struct Adaptive {
     narrow: u64,
     /// Redexes of the last round.
     before: usize,
+    /// Blocks may become longer on a wide stream too.
+    auto: bool,
 }
 
 impl Schedule {
@@ -34,7 +38,25 @@ impl Schedule {
             (None, Rewriter::Block) => (BLOCK_DEPTH, BLOCK_DEPTH),
             (None, _) => (DEEP, 1),
         };
-        Schedule::Adaptive(Adaptive { plenty: (PLENTY * threads, deep), growing, narrow: PATIENT, before: 0 })
+        let auto = config.rewriter != Rewriter::Block;
+        let plenty = (PLENTY * threads, deep);
+        Schedule::Adaptive(Adaptive { plenty, growing, narrow: PATIENT, before: 0, auto })
+    }
+
+    /// Whether a redex takes the tokens around it along.
+    pub fn regions(&self) -> bool {
+        matches!(self, Schedule::Adaptive(_))
+    }
+
+    /// Tokens in a block, at least `least`, of a stream of `length` tokens with so many redexes: a narrow stream needs
+    /// no blocks, and `auto` makes no more than keep all threads busy.
+    pub fn block(&self, least: usize, length: usize, redexes: usize) -> usize {
+        match self {
+            Schedule::Fixed(_) => least,
+            Schedule::Adaptive(adaptive) if 4 * redexes <= adaptive.plenty.0 => least.max(length),
+            Schedule::Adaptive(adaptive) if adaptive.auto => least.max(length.div_ceil(adaptive.plenty.0)),
+            Schedule::Adaptive(_) => least,
+        }
     }
 
     /// The depth for a round with so many redexes.
@@ -55,7 +77,7 @@ impl Adaptive {
             self.growing
         } else {
             // A narrow stream: every round costs its whole length, so there are ever fewer rounds.
-            self.narrow = (self.narrow * 2).min(DEEP);
+            self.narrow = (self.narrow * 2).min(NARROW);
             self.narrow
         }
     }
@@ -71,6 +93,6 @@ mod tests {
         assert_eq!([1, 2, 4, 8].map(|n| schedule.depth(n)), [1; 4]);
         assert_eq!(schedule.depth(64), DEEP);
         let narrow: Vec<u64> = (0..20).map(|_| schedule.depth(1)).collect();
-        assert!(narrow.windows(2).all(|w| w[0] <= w[1]) && narrow[19] == DEEP, "{narrow:?}");
+        assert!(narrow.windows(2).all(|w| w[0] <= w[1]) && narrow[19] == NARROW, "{narrow:?}");
     }
 }

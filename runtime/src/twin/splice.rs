@@ -11,9 +11,9 @@ pub fn splice(pair: &Pair, grants: &[Option<Grant>], outputs: &[Output], block: 
     let mut kept = 0;
     for (redex, grant) in pair.redexes.iter().zip(grants) {
         let Some(grant) = grant else { continue };
-        tokens.extend(&pair.tokens, kept, redex.start);
+        tokens.extend(&pair.tokens, kept, redex.from);
         tokens.extend(&outputs[grant.output].tokens, grant.from, grant.to);
-        kept = redex.end + 1;
+        kept = redex.to;
     }
     tokens.extend(&pair.tokens, kept, pair.tokens.len());
     blocks(tokens, block)

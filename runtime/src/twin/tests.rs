@@ -252,7 +252,7 @@ fn rounds_at_depth_one_are_the_compilers() {
 
 #[test]
 fn deep_recursion_and_long_loops_end() {
-    for rewriter in [Rewriter::Auto, Rewriter::Lane] {
+    for rewriter in [Rewriter::Auto, Rewriter::Lane, Rewriter::Block] {
         let config = Config { rewriter, ..Config::default() };
         assert_eq!(evaluate(TOTAL, &[200_000], &config).unwrap().0, [(200_000u64 * 200_001 / 2) as u32]);
     }
@@ -407,7 +407,7 @@ fn compare_random(seed: u64) -> usize {
     let mut compared = 0;
     for depth in [0, 1, 3] {
         let args =
-            [Const::I32(depth), Const::Bool(seed % 2 == 0), Const::I32(3), Const::U32(4), Const::f32(2.5)];
+            [Const::I32(depth), Const::Bool(seed & 1 == 0), Const::I32(3), Const::U32(4), Const::f32(2.5)];
         let Ok(values) = run(&source, &args, &TestHost, FUEL) else { continue };
         let words: Vec<u32> = values.iter().map(|c| c.word()).collect();
         let expected = canonical(&values, &words);

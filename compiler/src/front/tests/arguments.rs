@@ -48,6 +48,18 @@ fn values_of_every_type() {
 }
 
 #[test]
+fn the_users_names_come_first() {
+    let module = accepts("use terrain; enum Mine { None, Other } struct Ray(t: f32);").module;
+    let at = module.enums.iter().position(|e| e.name == "Mine").expect("of the test") as u32;
+    let mine = Type::Enum(crate::types::EnumId(at), vec![]);
+    assert_eq!(parse_arguments(&module, "None", &mine).expect("the user's").expr.ty, mine);
+    let ray = module.structs.iter().position(|s| s.name == "Ray" && s.fields.len() == 1).expect("of the test")
+        as u32;
+    let ray = Type::Struct(crate::types::StructId(ray), vec![]);
+    assert_eq!(parse_arguments(&module, "Ray(1)", &ray).expect("the user's").expr.ty, ray);
+}
+
+#[test]
 fn mistakes_are_reported() {
     let module = accepts(MODULE).module;
     for (text, ty, code) in [
@@ -59,6 +71,10 @@ fn mistakes_are_reported() {
         ("doubel", Type::F32, UNKNOWN_NAME),
         ("double", Type::F32, MISMATCH),
         ("fn", Type::F32, SYNTAX),
+        // These also point at definitions, which are in another text.
+        ("double(1, 2)", Type::F32, ARGUMENTS),
+        ("S(a: 1)", Type::F32, MISSING_FIELD),
+        ("trace(bilinear)", Type::F32, ARGUMENTS),
     ] {
         let report = parse_arguments(&module, text, &ty).expect_err(text);
         assert_eq!(report.diagnostics[0].code, code, "{text}");

@@ -130,6 +130,12 @@ fn items() {
         ("param a: i32 = b; param b: i32 = 1; const C = f(); fn f() -> i32 = a;", CONSTANT_PARAM, "f"),
         ("param p: f32 = 20 in -1.0..10;", PARAM_RANGE, "20"),
         ("param p: f32 = 2 in 3..1;", PARAM_RANGE, "3..1"),
+        (
+            "fn same<A>(a: A, b: A) -> bool = a == b; fn both<A>(a: A) -> bool = same((a, 1), (a, 1));
+            fn f() -> bool = both(1); fn g() -> bool = both(f);",
+            EQUALITY,
+            "both",
+        ),
         ("@inline fn f(n: i32) -> i32 = g(n); fn g(n: i32) -> i32 = f(n);", INLINE_RECURSION, "f"),
         ("fn same<A>(x: A, y: A) -> A = x; fn f() -> i32 = same(1u, 2.5);", MISMATCH, "2.5"),
         ("fn f(x: i32) -> i32 = x $ 1;", BAD_CHARACTER, "$"),

@@ -131,7 +131,9 @@ impl Check<'_> {
             }
             ExprKind::StructFunction(id) => {
                 let (params, result) = self.function(e);
-                let Type::Struct(_, args) = &result else { return self.same("struct", &result, &Type::Error) };
+                let Type::Struct(_, args) = &result else {
+                    return self.same("struct", &result, &Type::Error);
+                };
                 assert_eq!(params, self.struct_fields(*id, args));
             }
             ExprKind::Field(base, index) => self.same("field", ty, &self.field(&base.ty, *index)),

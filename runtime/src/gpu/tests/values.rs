@@ -91,8 +91,8 @@ fn mutual_recursion() {
     let n = 120usize;
     let (mut female, mut male) = (vec![1usize], vec![0usize]);
     for i in 1..=n {
-        female.push(i - male[female[i - 1]]);
         male.push(i - female[male[i - 1]]);
+        female.push(i - male[female[i - 1]]);
     }
     let outcome = value(&gpu, hofstadter(), config(Rewriter::Auto), &[n as u32]).unwrap();
     eprintln!("female(120): {:?}", outcome.stats);

@@ -1,7 +1,7 @@
 //! PNG: grey images, whose range `--heights` gives, and the RGB packings of map tiles.
 
 use super::grid::{Grid, Values};
-use super::{DemError, DemOptions, Encoding, check_claim};
+use super::{DemError, DemOptions, Encoding, check_claim, grey_range};
 use crate::terrain::field::Terrain;
 use image::{ColorType, DynamicImage, ImageDecoder, codecs::png::PngDecoder};
 use std::io::Cursor;
@@ -36,16 +36,8 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
             } else {
                 (image.into_luma8().into_raw().into_iter().map(u16::from).collect(), 255.0)
             };
-            let [lo, hi] = options.heights.unwrap_or([0.0, white]);
-            if !(lo.is_finite() && hi.is_finite() && lo < hi) {
-                let what = format!("--heights {lo},{hi} is no range");
-                return Err(DemError::unsupported(
-                    file,
-                    what,
-                    "give the heights of black and white, lower first",
-                ));
-            }
-            (Values::U16(values), (hi - lo) / white, lo, "grey")
+            let (scale, offset) = grey_range(file, options, white)?;
+            (Values::U16(values), scale, offset, "grey")
         }
         Encoding::Terrarium => (unpack(image, |rgb| rgb - 32768 * 256), 1.0 / 256.0, 0.0, "terrarium"),
         Encoding::TerrainRgb => (unpack(image, |rgb| rgb - 100_000), 0.1, 0.0, "terrain-rgb"),

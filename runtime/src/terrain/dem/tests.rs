@@ -113,6 +113,33 @@ fn text_grids() {
 }
 
 #[test]
+fn grey_maps_and_archives() {
+    let pgm = [b"P5 # made by hand\n2 2\n1000\n".as_slice(), &[0, 1, 0, 2, 0, 3, 0, 4]].concat();
+    let expected = [Some(1.0), Some(2.0), Some(3.0), Some(4.0)];
+    assert_eq!(heights(&read("a.pgm", &pgm, &spaced()).unwrap()), expected);
+    assert!(matches!(read("a.pgm", &pgm[..pgm.len() - 1], &spaced()), Err(DemError::Truncated { .. })));
+
+    let mut packed = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut packed, &pgm).unwrap();
+    let packed = packed.finish().unwrap();
+    for (method, data) in [(0u8, &pgm), (8, &packed)] {
+        let mut zip = b"PK\x03\x04\x14\0\0\0".to_vec();
+        zip.extend([method, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+        zip.extend((data.len() as u32).to_le_bytes());
+        zip.extend((pgm.len() as u32).to_le_bytes());
+        zip.extend([5, 0, 0, 0]);
+        zip.extend(b"a.pgm");
+        zip.extend(data.as_slice());
+        assert_eq!(heights(&read("a.zip", &zip, &spaced()).unwrap()), expected);
+        assert!(read("a.zip", &zip[..zip.len() - 3], &spaced()).is_err());
+    }
+
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut gzip, &pgm).unwrap();
+    assert_eq!(heights(&read("a.pgm.gz", &gzip.finish().unwrap(), &spaced()).unwrap()), expected);
+}
+
+#[test]
 fn a_lying_header_is_refused_before_memory_is_asked_for() {
     let error = read("a.npy", &npy("<f4", "(16384, 16384)", &[0; 64]), &spaced()).unwrap_err();
     assert!(matches!(error, DemError::Truncated { .. }), "{error}");
@@ -143,6 +170,7 @@ fn damaged_files_never_panic() {
         ("N01E002.hgt", vec![7; 32]),
         ("a.asc", b"ncols 2\nnrows 2\ncellsize 5\nNODATA_value -9999\n1 2\n3 4\n".to_vec()),
         ("a.f32", floats),
+        ("a.pgm", b"P5 2 2 1000\n12345678".to_vec()),
     ];
     for name in [
         "derived/alps256_i16_tile64_deflate_p2.tif",
@@ -204,8 +232,14 @@ fn one_grid_in_many_encodings_loads_alike() {
             assert_eq!((terrain.spacing, &terrain.crs), (expected.spacing, &expected.crs), "{name}");
         }
     }
-    let text = Terrain::open(extra("derived/alps256.asc").unwrap(), &DemOptions::default()).unwrap();
-    assert_eq!(heights(&text), heights(&expected));
+    for name in ["asc", "bil"] {
+        let path = extra(&format!("derived/alps256.{name}")).unwrap();
+        let terrain = Terrain::open(path, &DemOptions::default()).unwrap();
+        assert_eq!(heights(&terrain), heights(&expected), "{name}");
+        for axis in 0..2 {
+            assert!((terrain.spacing[axis] / expected.spacing[axis] - 1.0).abs() < 1e-3, "{name}");
+        }
+    }
 }
 
 #[test]

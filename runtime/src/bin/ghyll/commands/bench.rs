@@ -1,8 +1,114 @@
-//! `ghyll bench`.
+//! `ghyll bench`: measurements that check their answers. What is compared runs interleaved, medians are reported.
+
+mod calls;
+mod kernel;
+mod overhead;
 
 use crate::arguments::Bench;
 use crate::failure::Failure;
+use ghyll_compiler::compile::{self, Compiled, EntryKind, Options};
+use ghyll_compiler::front::Checked;
+use ghyll_compiler::source::Source;
+use ghyll_runtime::gpu::{Gpu, GpuError, GpuOptions};
+use serde_json::{Value, json};
 
-pub fn bench(_: &Bench) -> Result<(), Failure> {
-    Err(Failure::Usage("no benchmarks yet".into()))
+type Benchmark = fn(&Bench, Option<&Gpu>) -> Result<Vec<Value>, Failure>;
+
+/// All benchmarks by name.
+const BENCHMARKS: &[(&str, Benchmark)] = &[("overhead", overhead::rows), ("calls", calls::rows)];
+
+pub fn bench(arguments: &Bench) -> Result<(), Failure> {
+    let options = GpuOptions { adapter: arguments.adapter.clone(), ..GpuOptions::default() };
+    let gpu = match Gpu::new(&options) {
+        Ok(gpu) => Some(gpu),
+        Err(GpuError::NoAdapter) => None,
+        Err(error) => return Err(Failure::Usage(error.to_string())),
+    };
+    let adapter = gpu.as_ref().map_or("none", |gpu| &gpu.info().name);
+    for (name, rows) in BENCHMARKS {
+        if arguments.name.as_deref().is_some_and(|wanted| wanted != *name) {
+            continue;
+        }
+        let rows = rows(arguments, gpu.as_ref())?;
+        if arguments.json {
+            let date = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
+            println!(
+                "{}",
+                json!({ "bench": name, "machine": machine(), "adapter": adapter, "date": date, "rows": rows })
+            );
+        } else {
+            println!("{name} on {adapter}, {}", machine());
+            table(&rows);
+        }
+    }
+    Ok(())
+}
+
+/// Processor and threads.
+fn machine() -> String {
+    let about = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = about.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let name = model.map_or(std::env::consts::ARCH, |(_, name)| name.trim());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{name}, {threads} threads")
+}
+
+/// Rows as aligned columns, a line for each.
+fn table(rows: &[Value]) {
+    let Some(Value::Object(first)) = rows.first() else { return };
+    let keys: Vec<&String> = first.keys().collect();
+    let cell = |row: &Value, key: &str| match &row[key] {
+        Value::String(text) => text.clone(),
+        Value::Number(n) if n.is_f64() => format!("{:.4}", n.as_f64().unwrap_or_default()),
+        Value::Null => "-".into(),
+        other => other.to_string(),
+    };
+    let width = |key: &String| {
+        rows.iter().map(|row| cell(row, key).len()).chain([key.len()]).max().unwrap_or_default()
+    };
+    let widths: Vec<usize> = keys.iter().map(|key| width(key)).collect();
+    let line = |cells: Vec<String>| {
+        let padded: Vec<String> = cells.iter().zip(&widths).map(|(c, w)| format!("{c:>w$}")).collect();
+        println!("{}", padded.join("  "));
+    };
+    line(keys.iter().map(|k| k.to_string()).collect());
+    for row in rows {
+        line(keys.iter().map(|k| cell(row, k)).collect());
+    }
+}
+
+/// A benchmark's program, which is known to compile.
+fn program(name: &str, text: &str, want: EntryKind) -> Result<(Checked, Compiled), Failure> {
+    let fault = || Failure::Run(format!("benchmark program {name} does not compile"));
+    let checked = compile::check(Source::new(name, text)).map_err(|_| fault())?;
+    let options = Options { want: Some(want), ..Options::default() };
+    let compiled = compile::compile(&checked, &options).map_err(|_| fault())?;
+    Ok((checked, compiled))
+}
+
+/// Middle of the sorted values; least and greatest beside it.
+struct Spread {
+    median: f64,
+    least: f64,
+    greatest: f64,
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Spread {
+        values.sort_by(f64::total_cmp);
+        let n = values.len();
+        let median = (values[(n - 1) / 2] + values[n / 2]) / 2.0;
+        Spread { median, least: values[0], greatest: values[n - 1] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_median_is_in_the_middle() {
+        let spread = Spread::of(vec![3.0, 1.0, 10.0, 2.0]);
+        assert_eq!((spread.least, spread.median, spread.greatest), (1.0, 2.5, 10.0));
+    }
 }

@@ -85,7 +85,7 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
     }
 
     let mut times = vec![Vec::new(); subjects.len()];
-    for _ in 0..arguments.repeat.max(10) {
+    for _ in 0..arguments.repeat {
         for ((_, subject), times) in subjects.iter_mut().zip(&mut times) {
             times.push(subject.draw(gpu)? * 1e3);
         }

@@ -164,6 +164,7 @@ impl Job<'_> {
         gpu::Code {
             functions: back.wgsl.text.clone(),
             has_shade: back.wgsl.has_shade,
+            fused: back.wgsl.fused,
             arities: tasks.iter().map(|t| t.arity()).collect(),
             longest_emission: back.table.longest_emission(),
             names: tasks.iter().map(|t| t.function.clone()).collect(),

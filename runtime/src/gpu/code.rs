@@ -8,6 +8,8 @@ pub struct Code {
     /// WGSL of `task_N`, `rewrite` and, if `has_shade`, `shade`.
     pub functions: String,
     pub has_shade: bool,
+    /// `shade` is the entry fused whole, without tokens.
+    pub fused: bool,
     /// Operands of each task; a task's id is its index.
     pub arities: Vec<u32>,
     /// The most tokens that one rewrite emits.

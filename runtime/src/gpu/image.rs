@@ -43,11 +43,22 @@ impl Engine {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
         self.fit(width, height)?;
-        if self.code.has_shade && self.config.rewriter != Rewriter::Block {
-            self.direct(&mut job, width, height, entry)?;
-        } else if self.config.rewriter == Rewriter::Block {
+        let direct = match self.config.rewriter {
+            Rewriter::Auto => self.code.has_shade,
+            Rewriter::Lane => self.code.fused,
+            Rewriter::Block => false,
+        };
+        let mut done = false;
+        if direct {
+            done = match self.direct(&mut job, width, height, entry) {
+                // A lane with a window can be suspended, one without cannot.
+                Err(RunError::LoopTooLong { .. }) if !self.code.fused => false,
+                other => other.map(|()| true)?,
+            };
+        }
+        if !done && self.config.rewriter == Rewriter::Block {
             self.stream_pixels(&mut job, width, height, entry)?;
-        } else {
+        } else if !done {
             self.draw_pixels(&mut job, width, height, entry)?;
         }
         Ok(self.close(job, compiled))

@@ -237,6 +237,21 @@ fn put_right() {
     }
 }
 
+fn put_window() {
+    put_left();
+    if (invoke != NO_TASK) {
+        put(invoke, true);
+        invoke = NO_TASK;
+    }
+    put_right();
+}
+
+fn put_rest_of_bits() {
+    if ((put_count & 31u) != 0u) {
+        put_bits(put_count >> 5u, put_mask);
+    }
+}
+
 // An interrupted lane gives its redexes to others if there are few; else it is suspended as a whole.
 fn share() -> bool {
     return far_redexes && params.depth == 0u && state.previous < params.threshold;
@@ -252,18 +267,11 @@ fn publish(reason: u32) {
     if (far_left != NONE) {
         put(RESUME | state_page(true, false), true);
     }
-    put_left();
-    if (invoke != NO_TASK) {
-        put(invoke, true);
-        invoke = NO_TASK;
-    }
-    put_right();
+    put_window();
     if (far_right != NONE) {
         put(RESUME | state_page(false, true), true);
     }
-    if ((put_count & 31u) != 0u) {
-        put_bits(put_count >> 5u, put_mask);
-    }
+    put_rest_of_bits();
 }
 
 // A dispatch takes about as long whatever the number of lanes: those beyond what the adapter runs at once share.

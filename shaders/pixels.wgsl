@@ -1,5 +1,8 @@
 // Stage draw: lanes draw pixels in 8x8 tiles from a counter and rewrite `index x y entry store` to nothing. The
-// initial stream of an image is never written to memory; what cannot be finished here becomes blocks for the rounds.
+// initial stream of an image is never written to memory.
+//
+// The loop holds nothing rare: a lane that cannot finish its pixel in the window or with its fuel leaves the loop, and
+// what it holds becomes a block for the rounds. (A driver that runs lanes in lockstep may pay for every branch.)
 
 var<private> block: u32;
 
@@ -11,47 +14,44 @@ fn put_bits(index: u32, bits: u32) {
     arena[block * STRIDE + BLOCK + index] = bits;
 }
 
-// Starts the next pixel; false if there is none, or no fuel or memory for it.
+// Starts the next pixel; false if there is none, or the lane has had its share. Beyond the edge a pixel is empty.
 fn draw() -> bool {
-    let tiles = (params.width + 7u) / 8u;
-    loop {
-        if (fuel <= params.soft) {
-            atomicStore(&state.cut, 1u);
-            return false;
-        }
-        // The block in hand holds whatever the pixel leaves.
-        if (!collect_pages(1u)) {
-            atomicOr(&state.flags, FLAG_MEMORY);
-            return false;
-        }
-        let index = atomicAdd(&state.pixel, 1u);
-        if (index >= params.last) {
-            return false;
-        }
-        let tile = index / 64u;
-        let x = (tile % tiles) * 8u + index % 8u;
-        let y = (tile / tiles) * 8u + (index / 8u) % 8u;
-        if (x < params.width && y < params.height) {
-            clear_lane();
-            literal(y * params.width + x);
-            literal(bitcast<u32>(f32(x) + 0.5));
-            literal(bitcast<u32>(f32(y) + 0.5));
-            later(TASKS);
-            invoke = params.entry;
-            return true;
-        }
+    if (fuel <= params.soft) {
+        atomicStore(&state.cut, 1u);
+        return false;
     }
-    return false;
+    let index = atomicAdd(&state.pixel, 1u);
+    if (index >= params.last) {
+        return false;
+    }
+    let tiles = (params.width + 7u) / 8u;
+    let tile = index / 64u;
+    let x = (tile % tiles) * 8u + index % 8u;
+    let y = (tile / tiles) * 8u + (index / 8u) % 8u;
+    left = 0u;
+    if (x < params.width && y < params.height) {
+        literal(y * params.width + x);
+        literal(bitcast<u32>(f32(x) + 0.5));
+        literal(bitcast<u32>(f32(y) + 0.5));
+        later(TASKS);
+        invoke = params.entry;
+    }
+    return true;
 }
 
-fn finish(reason: u32) {
-    if (left == 0u && invoke == NO_TASK && right == 0u && far_left == NONE && far_right == NONE) {
-        return;
-    }
+// Whether the lane can go on with its pixel.
+fn can_go_on() -> bool {
+    return !exhausted && fuel > 0 && left + right <= ROOM && (invoke == NO_TASK || left >= arity(invoke));
+}
+
+// Leaves the unfinished pixel to the rounds, in the block in hand.
+fn leave() {
     block = spare_page();
-    publish(reason);
-    let begin = (put_count + 31u) / 32u;
-    for (var word = begin; word < BLOCK / 32u; word += 1u) {
+    put_count = 0u;
+    put_mask = 0u;
+    put_window();
+    put_rest_of_bits();
+    for (var word = (put_count + 31u) / 32u; word < BLOCK / 32u; word += 1u) {
         put_bits(word, 0u);
     }
     let entry = order_at(state.list, atomicAdd(&state.published, 1u));
@@ -62,23 +62,27 @@ fn finish(reason: u32) {
 @compute @workgroup_size(LANES)
 fn draw_pixels(@builtin(local_invocation_index) local: u32) {
     begin_lane(local);
+    clear_lane();
     fuel = params.fuel;
     stop_fuel = 0;
-    low = 0u;
-    from_token = 0u;
-    to_token = 0u;
-    high = 0u;
-    var open = draw();
+    // The block in hand holds whatever a pixel leaves.
+    let ready = collect_pages(1u);
+    if (!ready) {
+        atomicOr(&state.flags, FLAG_MEMORY);
+    }
+    var open = ready && draw();
     while (open) {
-        burst();
-        let reason = serve();
-        if (reason == CUT_SHORT) {
-            break;
-        }
-        if (reason != GO_ON) {
-            finish(reason);
+        run_burst();
+        if (invoke == NO_TASK && right == 0u) {
             open = draw();
+        } else {
+            open = can_go_on();
         }
+    }
+    latest = invoke;
+    exhausted = false;
+    if (invoke != NO_TASK || right != 0u) {
+        leave();
     }
     end_lane();
 }

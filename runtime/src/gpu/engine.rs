@@ -69,6 +69,8 @@ pub struct Engine {
     /// Workgroups that draw pixels in one dispatch, and the steps each lane makes for them.
     pub(super) pixel_groups: u32,
     pub(super) pixel_share: i32,
+    /// Pixels that a workgroup drew in one dispatch.
+    pub(super) pixels_per_group: u32,
     pub(super) pixel_fuel: i32,
     /// Tile rows that `direct` computes in one submission.
     pub(super) direct_rows: u32,
@@ -180,6 +182,7 @@ impl Engine {
             cap: gpu.loop_turns().map_or(i32::MAX, |turns| turns as i32 / 3),
             pixel_groups: gpu.parallel_groups() * 4,
             pixel_share: PIXEL_SHARE,
+            pixels_per_group: 1,
             pixel_fuel: PIXEL_FUEL,
             direct_rows: 1,
         })

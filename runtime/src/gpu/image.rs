@@ -18,7 +18,7 @@ const MOST_GROUPS: u32 = 32768;
 pub const PIXEL_FUEL: i32 = 1 << 13;
 const LEAST_PIXEL_FUEL: i32 = 32;
 /// Steps after which a lane draws no further pixel in a dispatch.
-pub const PIXEL_SHARE: i32 = 128;
+pub const PIXEL_SHARE: i32 = 256;
 /// Steps of fused loops in one pixel of `direct`, to begin with.
 const DIRECT_FUEL: i32 = 1 << 16;
 
@@ -145,7 +145,7 @@ impl Engine {
             let fuel = self.cap.min(self.pixel_fuel);
             let soft = (fuel - self.pixel_share).max(0);
             let params = Params { width, height, entry, last: total, fuel, soft, ..self.params() };
-            let groups = self.pixel_groups;
+            let groups = self.groups_for(total - pixel);
             let mut state = self.begin(0);
             state.pixel = pixel;
             let time = self.play(job, Kernel::DrawPixels, [groups, 1], &params, &mut state)?;
@@ -156,6 +156,7 @@ impl Engine {
                 continue;
             }
             if state.pixel < total {
+                self.pixels_per_group = ((state.pixel - pixel) / groups).max(1);
                 let scale = SUBMISSION.as_secs_f64() / time.as_secs_f64().max(1e-6);
                 let groups = f64::from(self.pixel_groups) * scale.clamp(1.0 / 16.0, 8.0);
                 self.pixel_groups = (groups as u32).clamp(self.gpu.parallel_groups(), MOST_GROUPS);
@@ -165,6 +166,12 @@ impl Engine {
             }
         }
         Ok(())
+    }
+
+    /// Workgroups that draw so many pixels: no more than have something to do, as a start costs a few pixels' time.
+    fn groups_for(&self, pixels: u32) -> u32 {
+        let needed = (pixels / self.pixels_per_group).saturating_add(self.gpu.parallel_groups());
+        needed.min(self.pixel_groups)
     }
 
     /// After loops were cut short by the adapter: fewer pixels for a lane in one dispatch, and less of its last one.

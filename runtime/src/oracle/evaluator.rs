@@ -93,6 +93,7 @@ impl<'m> Evaluator<'m> {
         Ok(())
     }
 
+    #[inline(never)]
     fn check_depth(&self) -> Result<(), RunError> {
         let used = self.stack_base.abs_diff(stack_position());
         if used + STACK_RESERVE < self.stack_size {
@@ -101,50 +102,56 @@ impl<'m> Evaluator<'m> {
         Err(RunError::TooDeep { function: self.function.into(), depth: self.depth, bytes: used as u64 })
     }
 
-    pub fn apply(&mut self, f: Callable<'m>, args: Vec<Datum<'m>>) -> Result<Datum<'m>, RunError> {
+    pub fn apply(&mut self, mut f: Callable<'m>, mut args: Vec<Datum<'m>>) -> Result<Datum<'m>, RunError> {
         self.check_depth()?;
         let caller = self.function;
         self.depth += 1;
-        let mut step = Step::Call(f, args);
-        loop {
-            match step {
-                Step::Call(f, args) => step = self.start(f, args)?,
-                Step::Done(value) => {
-                    self.depth -= 1;
-                    self.function = caller;
-                    return Ok(value);
-                }
+        let value = loop {
+            let Some((mut frame, body)) = self.enter(&f, &mut args)? else {
+                break self.without_body(&f, args)?;
+            };
+            match self.tail(body, &mut frame)? {
+                Step::Call(next, operands) => (f, args) = (next, operands),
+                Step::Done(value) => break value,
             }
-        }
+        };
+        self.depth -= 1;
+        self.function = caller;
+        Ok(value)
     }
 
-    fn start(&mut self, f: Callable<'m>, args: Vec<Datum<'m>>) -> Result<Step<'m>, RunError> {
-        let done = |value| Ok(Step::Done(value));
-        match f {
+    /// The body of a function or lambda with its parameters bound.
+    #[inline(never)]
+    fn enter(
+        &mut self,
+        f: &Callable<'m>,
+        args: &mut Vec<Datum<'m>>,
+    ) -> Result<Option<(Frame<'m>, &'m Expr)>, RunError> {
+        let (mut frame, params, body) = match f {
             Callable::Function(id, types) => {
                 let function = &self.module.functions[id.0 as usize];
-                self.function = &function.name;
-                self.tick()?;
-                let mut frame = Frame::new(function.locals.len(), types, &function.name);
-                for (param, arg) in function.params.iter().zip(args) {
-                    frame.bind(*param, arg);
-                }
-                self.tail(&function.body, &mut frame)
+                let frame = Frame::new(function.locals.len(), types.clone(), &function.name);
+                (frame, function.params.as_slice(), &function.body)
             }
-            Callable::Lambda(lambda) => {
-                self.function = lambda.frame.function;
-                self.tick()?;
-                let mut frame = lambda.frame.clone();
-                for (param, arg) in lambda.params.iter().zip(args) {
-                    frame.bind(*param, arg);
-                }
-                self.tail(lambda.body, &mut frame)
-            }
-            Callable::Builtin(b) => done(self.builtin(b, &args)?),
-            Callable::Variant(tag) => done(Datum::Variant(tag, args.into())),
-            Callable::Struct => done(Datum::Fields(args.into())),
-            Callable::Raster(id) => Err(self.unbound_raster(id)),
-            Callable::Derivative(f) => done(self.derivative(&f, &args)?),
+            Callable::Lambda(lambda) => (lambda.frame.clone(), lambda.params, lambda.body),
+            _ => return Ok(None),
+        };
+        for (param, arg) in params.iter().zip(args.drain(..)) {
+            frame.bind(*param, arg);
+        }
+        self.function = frame.function;
+        self.tick()?;
+        Ok(Some((frame, body)))
+    }
+
+    #[inline(never)]
+    fn without_body(&mut self, f: &Callable<'m>, args: Vec<Datum<'m>>) -> Result<Datum<'m>, RunError> {
+        match f {
+            Callable::Builtin(b) => self.builtin(*b, &args),
+            Callable::Variant(tag) => Ok(Datum::Variant(*tag, args.into())),
+            Callable::Raster(id) => Err(self.unbound_raster(*id)),
+            Callable::Derivative(f) => self.derivative(f, &args),
+            Callable::Struct | Callable::Function(..) | Callable::Lambda(_) => Ok(Datum::Fields(args.into())),
         }
     }
 
@@ -160,6 +167,7 @@ impl<'m> Evaluator<'m> {
         RunError::Unsupported(format!("reading the raster `{name}` in the oracle"))
     }
 
+    #[inline(never)]
     pub fn constant(&mut self, id: ConstId) -> Result<Datum<'m>, RunError> {
         let (at, list) = (id.0 as usize, self.precision as usize);
         if let Some(value) = &self.consts[list][at] {
@@ -171,6 +179,7 @@ impl<'m> Evaluator<'m> {
         Ok(value)
     }
 
+    #[inline(never)]
     pub fn param(&mut self, id: ParamId) -> Result<Datum<'m>, RunError> {
         let (at, list) = (id.0 as usize, self.precision as usize);
         if let Some(value) = &self.params[list][at] {

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use ghyll_compiler::typed::{Arm, Expr, ExprKind, Let, RangeForm, RangeOp, Type};
+use ghyll_compiler::typed::{Arm, BinaryOp, Expr, ExprKind, Let, RangeForm, RangeOp, Type};
 
 use super::datum::{Callable, Components, Datum, Floats, Frame, Lambda};
 use super::evaluator::{Evaluator, Step};
@@ -14,90 +14,104 @@ type Result<T> = std::result::Result<T, RunError>;
 
 impl<'m> Evaluator<'m> {
     /// Evaluates an expression in tail position, but for the last call in it.
-    pub fn tail(&mut self, expr: &'m Expr, frame: &mut Frame<'m>) -> Result<Step<'m>> {
-        match &expr.kind {
-            ExprKind::Call(callee, args) => {
-                let f = self.eval(callee, frame)?.function()?;
-                Ok(Step::Call(f, self.eval_all(args, frame)?))
-            }
-            ExprKind::If(cond, yes, no) => {
-                let branch = if self.eval(cond, frame)?.bool()? { yes } else { no };
-                self.tail(branch, frame)
-            }
-            ExprKind::And(a, b) => match self.eval(a, frame)?.bool()? {
-                true => self.tail(b, frame),
-                false => Ok(Step::Done(Datum::Bool(false))),
-            },
-            ExprKind::Or(a, b) => match self.eval(a, frame)?.bool()? {
-                true => Ok(Step::Done(Datum::Bool(true))),
-                false => self.tail(b, frame),
-            },
-            ExprKind::Match(value, arms) => {
-                let arm = self.choose(value, arms, frame)?;
-                self.tail(&arm.value, frame)
-            }
-            ExprKind::Block(lets, value) => {
-                self.bind_all(lets, frame)?;
-                self.tail(value, frame)
-            }
-            _ => self.eval(expr, frame).map(Step::Done),
+    pub fn tail(&mut self, mut expr: &'m Expr, frame: &mut Frame<'m>) -> Result<Step<'m>> {
+        loop {
+            expr = match &expr.kind {
+                ExprKind::Call(callee, args) => {
+                    let f = self.eval(callee, frame)?.function()?;
+                    return Ok(Step::Call(f, self.eval_all(args, frame)?));
+                }
+                ExprKind::If(cond, yes, no) => {
+                    if self.eval(cond, frame)?.bool()? {
+                        yes
+                    } else {
+                        no
+                    }
+                }
+                ExprKind::And(a, b) if self.eval(a, frame)?.bool()? => b,
+                ExprKind::Or(a, b) if !self.eval(a, frame)?.bool()? => b,
+                ExprKind::And(..) => return Ok(Step::Done(Datum::Bool(false))),
+                ExprKind::Or(..) => return Ok(Step::Done(Datum::Bool(true))),
+                ExprKind::Match(value, arms) => &self.choose(value, arms, frame)?.value,
+                ExprKind::Block(lets, value) => {
+                    self.bind_all(lets, frame)?;
+                    value
+                }
+                _ => return self.eval(expr, frame).map(Step::Done),
+            };
         }
     }
 
-    pub fn eval(&mut self, expr: &'m Expr, frame: &mut Frame<'m>) -> Result<Datum<'m>> {
-        Ok(match &expr.kind {
-            ExprKind::Literal(literal) => self.precision.literal(*literal),
-            ExprKind::Local(id) => frame.get(*id)?,
-            ExprKind::Const(id) => self.constant(*id)?,
-            ExprKind::Param(id) => self.param(*id)?,
-            ExprKind::Raster(id) => Datum::Function(Callable::Raster(*id)),
+    /// Evaluates an expression. What only some kinds need is in functions of its own, so that deep recursion
+    /// takes little stack.
+    pub fn eval(&mut self, mut expr: &'m Expr, frame: &mut Frame<'m>) -> Result<Datum<'m>> {
+        loop {
+            expr = match &expr.kind {
+                ExprKind::Literal(literal) => return Ok(self.precision.literal(*literal)),
+                ExprKind::Local(id) => return frame.get(*id),
+                ExprKind::Call(callee, args) => return self.call(callee, args, frame),
+                ExprKind::Binary(op, a, b) => return self.binary(*op, a, b, frame),
+                ExprKind::If(cond, yes, no) => {
+                    if self.eval(cond, frame)?.bool()? {
+                        yes
+                    } else {
+                        no
+                    }
+                }
+                ExprKind::And(a, b) if self.eval(a, frame)?.bool()? => b,
+                ExprKind::Or(a, b) if !self.eval(a, frame)?.bool()? => b,
+                ExprKind::And(..) => return Ok(Datum::Bool(false)),
+                ExprKind::Or(..) => return Ok(Datum::Bool(true)),
+                ExprKind::Match(value, arms) => &self.choose(value, arms, frame)?.value,
+                ExprKind::Block(lets, value) => {
+                    self.bind_all(lets, frame)?;
+                    value
+                }
+                ExprKind::Range(op, range) => return self.range(*op, range, &expr.ty, frame),
+                ExprKind::Const(id) => return self.constant(*id),
+                ExprKind::Param(id) => return self.param(*id),
+                _ => return self.function_or_data(expr, frame),
+            };
+        }
+    }
+
+    #[inline(never)]
+    fn call(&mut self, callee: &'m Expr, args: &'m [Expr], frame: &mut Frame<'m>) -> Result<Datum<'m>> {
+        let f = self.eval(callee, frame)?.function()?;
+        let args = self.eval_all(args, frame)?;
+        self.apply(f, args)
+    }
+
+    #[inline(never)]
+    fn binary(&mut self, op: BinaryOp, a: &'m Expr, b: &'m Expr, frame: &mut Frame<'m>) -> Result<Datum<'m>> {
+        let a = self.eval(a, frame)?;
+        let b = self.eval(b, frame)?;
+        operator::binary(self.precision, op, &a, &b)
+    }
+
+    #[inline(never)]
+    fn function_or_data(&mut self, expr: &'m Expr, frame: &mut Frame<'m>) -> Result<Datum<'m>> {
+        Ok(Datum::Function(match &expr.kind {
+            ExprKind::Raster(id) => Callable::Raster(*id),
             ExprKind::Function(id, types) => {
-                let types = types.iter().map(|t| t.substitute(&frame.types)).collect();
-                Datum::Function(Callable::Function(*id, types))
+                Callable::Function(*id, types.iter().map(|t| t.substitute(&frame.types)).collect())
             }
-            ExprKind::Builtin(b) => Datum::Function(Callable::Builtin(*b)),
-            ExprKind::VariantFunction(_, tag) => Datum::Function(Callable::Variant(*tag)),
-            ExprKind::StructFunction(_) => Datum::Function(Callable::Struct),
+            ExprKind::Builtin(b) => Callable::Builtin(*b),
+            ExprKind::VariantFunction(_, tag) => Callable::Variant(*tag),
+            ExprKind::StructFunction(_) => Callable::Struct,
             ExprKind::Lambda(params, body) => {
-                let lambda = Lambda { params, body, frame: frame.clone() };
-                Datum::Function(Callable::Lambda(Rc::new(lambda)))
+                Callable::Lambda(Rc::new(Lambda { params, body, frame: frame.clone() }))
             }
-            ExprKind::Derivative(f) => {
-                let f = self.eval(f, frame)?.function()?;
-                Datum::Function(Callable::Derivative(Rc::new(f)))
-            }
-            ExprKind::Call(callee, args) => {
-                let f = self.eval(callee, frame)?.function()?;
-                let args = self.eval_all(args, frame)?;
-                self.apply(f, args)?
-            }
-            ExprKind::And(a, b) => Datum::Bool(self.eval(a, frame)?.bool()? && self.eval(b, frame)?.bool()?),
-            ExprKind::Or(a, b) => Datum::Bool(self.eval(a, frame)?.bool()? || self.eval(b, frame)?.bool()?),
-            ExprKind::If(cond, yes, no) => {
-                let branch = if self.eval(cond, frame)?.bool()? { yes } else { no };
-                self.eval(branch, frame)?
-            }
-            ExprKind::Match(value, arms) => {
-                let arm = self.choose(value, arms, frame)?;
-                self.eval(&arm.value, frame)?
-            }
-            ExprKind::Block(lets, value) => {
-                self.bind_all(lets, frame)?;
-                self.eval(value, frame)?
-            }
-            ExprKind::Range(op, range) => self.range(*op, range, &expr.ty, frame)?,
-            _ => self.data(expr, frame)?,
-        })
+            ExprKind::Derivative(f) => Callable::Derivative(Rc::new(self.eval(f, frame)?.function()?)),
+            _ => return self.data(expr, frame),
+        }))
     }
 
     /// Expressions that make or take apart data.
+    #[inline(never)]
     fn data(&mut self, expr: &'m Expr, frame: &mut Frame<'m>) -> Result<Datum<'m>> {
         Ok(match &expr.kind {
             ExprKind::Unary(op, a) => operator::unary(*op, &self.eval(a, frame)?)?,
-            ExprKind::Binary(op, a, b) => {
-                let (a, b) = (self.eval(a, frame)?, self.eval(b, frame)?);
-                operator::binary(self.precision, *op, &a, &b)?
-            }
             ExprKind::Tuple(items) | ExprKind::Array(items) | ExprKind::Struct(_, items) => {
                 Datum::Fields(self.eval_all(items, frame)?.into())
             }
@@ -119,10 +133,12 @@ impl<'m> Evaluator<'m> {
         })
     }
 
+    #[inline(never)]
     fn eval_all(&mut self, exprs: &'m [Expr], frame: &mut Frame<'m>) -> Result<Vec<Datum<'m>>> {
         exprs.iter().map(|e| self.eval(e, frame)).collect()
     }
 
+    #[inline(never)]
     fn bind_all(&mut self, lets: &'m [Let], frame: &mut Frame<'m>) -> Result<()> {
         for Let { pattern, value } in lets {
             let value = self.eval(value, frame)?;
@@ -134,6 +150,7 @@ impl<'m> Evaluator<'m> {
     }
 
     /// The first arm that fits, with its names bound.
+    #[inline(never)]
     fn choose(&mut self, value: &'m Expr, arms: &'m [Arm], frame: &mut Frame<'m>) -> Result<&'m Arm> {
         let value = self.eval(value, frame)?;
         for arm in arms {
@@ -148,6 +165,7 @@ impl<'m> Evaluator<'m> {
         Err(RunError::Internal("no arm of a `match` fits".into()))
     }
 
+    #[inline(never)]
     fn range(
         &mut self,
         op: RangeOp,

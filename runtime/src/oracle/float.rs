@@ -135,6 +135,7 @@ fn binary_f64(prim: Prim, a: f64, b: f64) -> f64 {
         Prim::Min => a,
         Prim::Max if a < b => b,
         Prim::Max => a,
+        Prim::Atan2 if a == 0.0 && b == 0.0 => a,
         Prim::Atan2 => a.atan2(b),
         Prim::Pow if b == 0.0 => 1.0,
         Prim::Pow if a < 0.0 => f64::NAN,
@@ -151,7 +152,7 @@ mod tests {
     /// Both precisions mean the same: on values that both hold, they differ by rounding only.
     #[test]
     fn precisions_agree() {
-        let values = [-2.5, -1.0, -0.25, 0.0, 0.5, 1.0, 1.5, 3.0, 8.0];
+        let values = [-2.5, -1.0, -0.25, -0.0, 0.0, 0.5, 1.0, 1.5, 3.0, 8.0];
         let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-5 * a.abs();
         for row in PRIMS.iter().filter(|r| r.on.contains(&Scalar::F32)) {
             if row.prim.result(Scalar::F32) != Scalar::F32

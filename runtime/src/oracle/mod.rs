@@ -37,7 +37,8 @@ pub struct OracleOptions {
     pub timeout: Duration,
     /// Calls and iterations together.
     pub max_steps: Option<u64>,
-    /// Bytes for the stacks of all threads together; they bound the depth of recursion.
+    /// Bytes that the machines may use; the stacks of all threads, which bound the depth of recursion, may together have
+    /// [`STACK_SCALE`] times that.
     pub max_memory: u64,
     /// Values of parameters that replace their defaults; the last one counts.
     pub set: Vec<(ParamId, Expr)>,
@@ -58,12 +59,15 @@ impl Default for OracleOptions {
     }
 }
 
+/// An open call takes about 2 KiB here and a few words on the machines.
+pub const STACK_SCALE: u64 = 2;
 /// The smallest stack worth trying; a system that refuses even this cannot run the oracle.
 const LEAST_STACK: usize = 16 << 20;
 
 /// Sizes from the largest allowed downwards: address space may be short where memory is not.
 fn stack_sizes(max_memory: u64) -> impl Iterator<Item = usize> {
-    let most = usize::try_from(max_memory).unwrap_or(usize::MAX / 2).max(LEAST_STACK);
+    let most =
+        usize::try_from(max_memory.saturating_mul(STACK_SCALE)).unwrap_or(usize::MAX / 2).max(LEAST_STACK);
     std::iter::successors(Some(most), |size| Some(size / 2)).take_while(|size| *size >= LEAST_STACK)
 }
 

@@ -53,7 +53,7 @@ impl Tokens {
     pub fn extend(&mut self, other: &Tokens, from: usize, to: usize) {
         let base = self.words.len();
         self.push_literals(&other.words[from..to]);
-        // Whole words of bits where the source is dense enough to matter; single bits are rare.
+        // Function tokens are few: their bits are set one by one.
         for at in other.functions_in(from, to) {
             let at = base + at - from;
             self.functions[at / 64] |= 1 << (at % 64);

@@ -116,3 +116,94 @@ fn fib_27_by_shape() {
     ];
     compare(&gpu, &FIB_27, 9, &variants);
 }
+
+/// A pixel that iterates z = z^2 + c, fused (`shade`) or as three tasks.
+fn mandelbrot() -> Code {
+    let functions = "
+fn escape(x: f32, y: f32) -> f32 {
+    let c = vec2<f32>(x / 200.0 - 2.0, y / 200.0 - 1.3);
+    var z = vec2<f32>(0.0);
+    var n = 0.0;
+    for (var i = 0; i < 200; i = i + 1) {
+        z = vec2<f32>(z.x * z.x - z.y * z.y, 2.0 * z.x * z.y) + c;
+        if (dot(z, z) > 4.0) { break; }
+        n = n + 1.0;
+    }
+    return n;
+}
+fn colour(n: f32) -> vec3<f32> { return vec3<f32>(n, sqrt(n), n * n); }
+fn shade(x: f32, y: f32) -> vec4<f32> { return vec4<f32>(colour(escape(x, y)), 1.0); }
+fn task_0() {
+    consume(2u);
+    let x = operand(0u);
+    let y = operand(1u);
+    later(2u);
+    literal(x);
+    literal(y);
+    invoke = 1u;
+}
+fn task_1() {
+    consume(2u);
+    literal(bitcast<u32>(escape(bitcast<f32>(operand(0u)), bitcast<f32>(operand(1u)))));
+}
+fn task_2() {
+    consume(1u);
+    let c = colour(bitcast<f32>(operand(0u)));
+    literal(bitcast<u32>(c.x));
+    literal(bitcast<u32>(c.y));
+    literal(bitcast<u32>(c.z));
+}";
+    super::programs::code(functions, &[("pixel", 2), ("escape", 2), ("colour", 1)], 4)
+}
+
+/// Name, whether `shade` is there, what is changed in the sizes, and a lane's share of steps.
+type PictureVariant = (&'static str, bool, fn(&mut Shape), i32);
+
+#[test]
+#[ignore = "a measurement, not a test"]
+fn picture_by_lanes_and_directly() {
+    let Some(gpu) = gpu() else { return };
+    let variants: [PictureVariant; 7] = [
+        ("direct", true, |_| {}, 256),
+        ("lanes", false, |_| {}, 256),
+        ("lanes, workgroup windows", false, |s| s.windows = Windows::Workgroup, 256),
+        ("lanes, burst 8", false, |s| s.burst = 8, 256),
+        ("lanes, burst 4", false, |s| s.burst = 4, 256),
+        ("lanes, share 512", false, |_| {}, 512),
+        ("lanes, share 2048", false, |_| {}, 2048),
+    ];
+    let mut engines: Vec<Engine> = variants
+        .iter()
+        .map(|(_, has_shade, change, share)| {
+            let code = Code { has_shade: *has_shade, ..mandelbrot() };
+            let mut shape = Shape::new(&code, &Config::default(), 3, gpu.info().software).unwrap();
+            change(&mut shape);
+            let mut engine = Engine::with_shape(&gpu, code, Config::default(), None, shape).unwrap();
+            engine.pixel_share = *share;
+            engine
+        })
+        .collect();
+    let mut processor = vec![0.0; variants.len()];
+    let mut walls = vec![Vec::new(); variants.len()];
+    let mut submissions = vec![0; variants.len()];
+    let reference = engines[0].render(600, 520, 0).unwrap().words;
+    for turn in 0..8 {
+        for (index, engine) in engines.iter_mut().enumerate() {
+            let before = processor_time();
+            let frame = engine.render(600, 520, 0).unwrap();
+            assert!(frame.words == reference, "{}", variants[index].0);
+            if turn >= 3 {
+                processor[index] += (processor_time() - before) / 5.0;
+                walls[index].push(frame.stats.time.as_secs_f64());
+            }
+            submissions[index] = frame.stats.submissions;
+        }
+    }
+    for (index, variant) in variants.iter().enumerate() {
+        let (wall, processor) = (median(&walls[index]) * 1e3, processor[index] * 1e3);
+        println!(
+            "{:26} median {wall:7.2} ms, processor {processor:7.2} ms, {} submissions, share {}",
+            variant.0, submissions[index], engines[index].pixel_share
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! One way to run a compiled program on any of the three machines: the GPU, its CPU twin, the oracle.
 
-use crate::config::{Config, Rewriter, Stats};
+use crate::config::{Config, Stats};
 use crate::error::RunError;
 use crate::gpu::{self, Gpu, GpuError, GpuOptions};
 use crate::gpu_terrain::GpuTerrain;
@@ -155,7 +155,7 @@ impl Job<'_> {
             _ => (String::new(), None),
         };
         let code = self.code(prelude);
-        Ok(gpu::Engine::with_components(gpu, code, gpu_config(config), scene, components)?)
+        gpu::Engine::with_components(gpu, code, config.clone(), scene, components)
     }
 
     fn code(&self, prelude: String) -> gpu::Code {
@@ -236,23 +236,6 @@ pub fn evaluate_argument(
     });
     let id = FunctionId(module.functions.len() as u32 - 1);
     oracle::evaluate(&module, id, &[], &OracleOptions::default(), None)
-}
-
-fn gpu_config(config: &Config) -> gpu::Config {
-    gpu::Config {
-        rewriter: match config.rewriter {
-            Rewriter::Auto => gpu::Rewriter::Auto,
-            Rewriter::Block => gpu::Rewriter::Block,
-            Rewriter::Lane => gpu::Rewriter::Lane,
-        },
-        depth: config.depth,
-        block: config.block,
-        threads: config.threads.map(|n| n as u32),
-        max_memory: config.max_memory,
-        max_rewrites: config.max_rewrites,
-        timeout: config.timeout,
-        trusted: config.trusted,
-    }
 }
 
 /// Figures of the engine in the common form.

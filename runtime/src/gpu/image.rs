@@ -3,11 +3,11 @@
 
 use std::time::{Duration, Instant};
 
-use super::code::Rewriter;
 use super::engine::{Ended, Engine, Frame, Job, Stats};
-use super::error::RunError;
 use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
 use super::shader::Kernel;
+use crate::config::Rewriter;
+use crate::error::RunError;
 
 /// What a submission of pixels should take; a driver's watchdog waits for 2 s.
 const SUBMISSION: Duration = Duration::from_millis(400);
@@ -131,7 +131,7 @@ impl Engine {
                 if rows == 1 && (time > SUBMISSION || params.fuel > i32::MAX / 8) {
                     return Err(RunError::LoopTooLong {
                         function: self.code.name(entry).to_owned(),
-                        steps: params.fuel as u32,
+                        steps: params.fuel as u64,
                     });
                 }
                 params.fuel = params.fuel.saturating_mul(8);

@@ -142,20 +142,30 @@ impl Job<'_> {
 
     /// The program's kernels on a device, for repeated runs.
     pub fn engine(&self, gpu: &Gpu, config: &Config, components: u32) -> Result<gpu::Engine, RunError> {
+        Ok(self.kernels(gpu, config, components)?.0)
+    }
+
+    /// As [`Job::engine`], with the field's buffers if the program looks at it.
+    pub fn kernels(
+        &self,
+        gpu: &Gpu,
+        config: &Config,
+        components: u32,
+    ) -> Result<(gpu::Engine, Option<GpuTerrain>), RunError> {
         let intrinsics = &self.compiled.back.wgsl.intrinsics;
-        let (prelude, scene) = match self.scene {
-            Some(scene) if !intrinsics.is_empty() => {
-                let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
-                    .map_err(|e| RunError::Device(e.to_string()))?;
-                let layout = GpuTerrain::layout(&gpu.device);
-                let group = terrain.bind_group(&gpu.device, &layout);
-                let text = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
-                (text, Some(gpu::Scene { layout, group }))
-            }
-            _ => (String::new(), None),
-        };
-        let code = self.code(prelude);
-        gpu::Engine::with_components(gpu, code, config.clone(), scene, components)
+        let mut prelude = String::new();
+        let (mut bound, mut kept) = (None, None);
+        if let Some(scene) = self.scene.filter(|_| !intrinsics.is_empty()) {
+            let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
+                .map_err(|e| RunError::Device(e.to_string()))?;
+            let layout = GpuTerrain::layout(&gpu.device);
+            let group = terrain.bind_group(&gpu.device, &layout);
+            prelude = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
+            (bound, kept) = (Some(gpu::Scene { layout, group }), Some(terrain));
+        }
+        let engine =
+            gpu::Engine::with_components(gpu, self.code(prelude), config.clone(), bound, components)?;
+        Ok((engine, kept))
     }
 
     fn code(&self, prelude: String) -> gpu::Code {

@@ -258,9 +258,9 @@ impl Finish<'_, '_> {
                 missing => format!("this pattern does not fit `{missing}`"),
             };
             self.report(
-                Diagnostic::error(codes::REFUTABLE, pattern.span, title)
-                    .label("may fail")
-                    .help("a `let` and a parameter take patterns that always fit; use `match` for the others"),
+                Diagnostic::error(codes::REFUTABLE, pattern.span, title).label("may fail").help(
+                    "a `let` and a parameter take patterns that always fit; use `match` for the others",
+                ),
             );
         }
         Let { pattern, value }

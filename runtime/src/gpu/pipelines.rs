@@ -172,10 +172,7 @@ impl Pipelines {
 }
 
 /// A shader without the bounds checks that wgpu adds.
-pub fn trusted_module(
-    device: &wgpu::Device,
-    descriptor: wgpu::ShaderModuleDescriptor,
-) -> wgpu::ShaderModule {
+pub fn trusted_module(device: &wgpu::Device, descriptor: wgpu::ShaderModuleDescriptor) -> wgpu::ShaderModule {
     let mut checks = wgpu::ShaderRuntimeChecks::checked();
     checks.bounds_checks = false;
     checks.force_loop_bounding = false;

@@ -8,6 +8,7 @@
 
 mod body;
 mod expression;
+mod network;
 mod support;
 mod task;
 #[cfg(test)]
@@ -28,6 +29,8 @@ pub struct Wgsl {
     pub intrinsics: Vec<Intrinsic>,
     /// Whether there is a `shade`.
     pub has_shade: bool,
+    /// Whether `shade` is the entry fused whole; else it rewrites a pixel's stream in one pass over the tasks.
+    pub fused: bool,
     /// Whether it reads `live_word`.
     pub uses_live: bool,
 }
@@ -48,13 +51,17 @@ pub fn emit(table: &Table, entry: TaskId) -> Wgsl {
     for (i, helper) in table.helpers.iter().enumerate() {
         functions += &helper_function(table, &mut needs, i, helper);
     }
-    let has_shade = task::is_shade(table.task(entry));
-    if has_shade {
+    let fused = task::is_shade(table.task(entry));
+    let mut has_shade = fused;
+    if fused {
         functions += &task::shade(table, &mut needs, table.task(entry));
+    } else if let Some(text) = network::shade(table, entry, &mut needs) {
+        functions += &text;
+        has_shade = true;
     }
     for (i, task) in table.tasks.iter().enumerate() {
         let id = TaskId(i as u32);
-        functions += &if has_shade && id == entry {
+        functions += &if fused && id == entry {
             task::shaded(task, id)
         } else {
             task::function(table, &fueled, &mut needs, task, id)
@@ -62,7 +69,7 @@ pub fn emit(table: &Table, entry: TaskId) -> Wgsl {
     }
     let text = format!("{}{functions}{}", support::texts(&needs.support), rewrite(table));
     let intrinsics = needs.intrinsics.into_iter().collect();
-    Wgsl { text, intrinsics, has_shade, uses_live: needs.live }
+    Wgsl { text, intrinsics, has_shade, fused, uses_live: needs.live }
 }
 
 /// Parses and validates a whole module; the message shows the offending line.

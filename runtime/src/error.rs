@@ -37,6 +37,25 @@ pub enum RunError {
     )]
     LoopTooLong { function: String, steps: u64 },
 
+    #[error(
+        "the program has a call of {arity} words, more than the {limit} that a block of the stream can hold; pass less at once"
+    )]
+    ArityTooLong { arity: u32, limit: u32 },
+
+    #[error("the picture of {width}x{height} does not fit a buffer of this adapter ({} at most); make it smaller", size(*limit))]
+    ImageTooLarge { width: u32, height: u32, limit: u64 },
+
+    /// The stream has function tokens but no redex.
+    #[error(
+        "internal error, please report it with the program: the stream cannot be rewritten further, `{function}` lacks operands"
+    )]
+    Stuck { function: String },
+
+    #[error(
+        "the adapter refused a shader, please report it with the program: {0}; `--on cpu` runs it without one"
+    )]
+    Shader(String),
+
     #[error("not supported yet: {0}")]
     Unsupported(String),
 
@@ -46,23 +65,6 @@ pub enum RunError {
     /// A broken promise between the compiler and the runtime.
     #[error("internal error, please report it with the program: {0}")]
     Internal(String),
-}
-
-impl From<crate::gpu::RunError> for RunError {
-    fn from(error: crate::gpu::RunError) -> RunError {
-        use crate::gpu::RunError as Gpu;
-        match error {
-            Gpu::Timeout { function, seconds, rewrites } => {
-                RunError::Timeout { function, seconds, reached: format!("{rewrites} rewrites") }
-            }
-            Gpu::OutOfMemory { function, bytes, limit } => RunError::OutOfMemory { function, bytes, limit },
-            Gpu::MaxRewrites { function, rewrites } => RunError::MaxRewrites { function, limit: rewrites },
-            Gpu::LoopTooLong { function, steps } => {
-                RunError::LoopTooLong { function, steps: u64::from(steps) }
-            }
-            other => RunError::Device(other.to_string()),
-        }
-    }
 }
 
 /// Bytes for a reader: three digits and a binary unit.

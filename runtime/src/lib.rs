@@ -1,6 +1,7 @@
 //! Runtime of Ghyll: the rewriter on the GPU, its CPU twin, the oracle, and terrain. [`machine`] runs a compiled
-//! program on any of them.
+//! program on any of them; [`api`] is the interface for Rust programs.
 
+pub mod api;
 pub mod config;
 pub mod error;
 pub mod gpu;

@@ -1,6 +1,6 @@
 //! One way to run a compiled program on any of the three machines: the GPU, its CPU twin, the oracle.
 
-use crate::config::{Config, Rewriter, Stats};
+use crate::config::{Config, Stats};
 use crate::error::RunError;
 use crate::gpu::{self, Gpu, GpuError, GpuOptions};
 use crate::gpu_terrain::GpuTerrain;
@@ -142,20 +142,30 @@ impl Job<'_> {
 
     /// The program's kernels on a device, for repeated runs.
     pub fn engine(&self, gpu: &Gpu, config: &Config, components: u32) -> Result<gpu::Engine, RunError> {
+        Ok(self.kernels(gpu, config, components)?.0)
+    }
+
+    /// As [`Job::engine`], with the field's buffers if the program looks at it.
+    pub fn kernels(
+        &self,
+        gpu: &Gpu,
+        config: &Config,
+        components: u32,
+    ) -> Result<(gpu::Engine, Option<GpuTerrain>), RunError> {
         let intrinsics = &self.compiled.back.wgsl.intrinsics;
-        let (prelude, scene) = match self.scene {
-            Some(scene) if !intrinsics.is_empty() => {
-                let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
-                    .map_err(|e| RunError::Device(e.to_string()))?;
-                let layout = GpuTerrain::layout(&gpu.device);
-                let group = terrain.bind_group(&gpu.device, &layout);
-                let text = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
-                (text, Some(gpu::Scene { layout, group }))
-            }
-            _ => (String::new(), None),
-        };
-        let code = self.code(prelude);
-        Ok(gpu::Engine::with_components(gpu, code, gpu_config(config), scene, components)?)
+        let mut prelude = String::new();
+        let (mut bound, mut kept) = (None, None);
+        if let Some(scene) = self.scene.filter(|_| !intrinsics.is_empty()) {
+            let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
+                .map_err(|e| RunError::Device(e.to_string()))?;
+            let layout = GpuTerrain::layout(&gpu.device);
+            let group = terrain.bind_group(&gpu.device, &layout);
+            prelude = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
+            (bound, kept) = (Some(gpu::Scene { layout, group }), Some(terrain));
+        }
+        let engine =
+            gpu::Engine::with_components(gpu, self.code(prelude), config.clone(), bound, components)?;
+        Ok((engine, kept))
     }
 
     fn code(&self, prelude: String) -> gpu::Code {
@@ -165,6 +175,7 @@ impl Job<'_> {
         gpu::Code {
             functions: back.wgsl.text.clone(),
             has_shade: back.wgsl.has_shade,
+            fused: back.wgsl.fused,
             arities: tasks.iter().map(|t| t.arity()).collect(),
             longest_emission: back.table.longest_emission(),
             names: tasks.iter().map(|t| &t.function).chain([entry]).cloned().collect(),
@@ -236,23 +247,6 @@ pub fn evaluate_argument(
     });
     let id = FunctionId(module.functions.len() as u32 - 1);
     oracle::evaluate(&module, id, &[], &OracleOptions::default(), None)
-}
-
-fn gpu_config(config: &Config) -> gpu::Config {
-    gpu::Config {
-        rewriter: match config.rewriter {
-            Rewriter::Auto => gpu::Rewriter::Auto,
-            Rewriter::Block => gpu::Rewriter::Block,
-            Rewriter::Lane => gpu::Rewriter::Lane,
-        },
-        depth: config.depth,
-        block: config.block,
-        threads: config.threads.map(|n| n as u32),
-        max_memory: config.max_memory,
-        max_rewrites: config.max_rewrites,
-        timeout: config.timeout,
-        trusted: config.trusted,
-    }
 }
 
 /// Figures of the engine in the common form.

@@ -17,13 +17,28 @@ use ghyll_runtime::machine::{Job, Machine, evaluate_argument};
 use ghyll_runtime::oracle::Precision;
 use ghyll_runtime::terrain::{Scene, SceneOptions, Terrain, View};
 use ghyll_runtime::value::Value;
-use std::collections::BTreeSet;
-use std::sync::Arc;
+use std::collections::{BTreeSet, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The project's own compiler and runtime.
 pub struct Ghyll {
     gpu: Option<Gpu>,
+    /// What was compiled last: the modes of a case ask for the same program one after the other.
+    recent: Mutex<VecDeque<(Wanted, Result<Arc<Ready>, Failure>)>>,
+}
+
+/// How many compiled programs are kept.
+const RECENT: usize = 8;
+
+/// What a compiled entry was made of.
+#[derive(Clone, PartialEq)]
+struct Wanted {
+    program: Program,
+    settings: Settings,
+    entry: String,
+    kind: Option<EntryKind>,
+    size: (u32, u32),
 }
 
 /// No case needs longer unless it says so.
@@ -38,15 +53,30 @@ impl Ghyll {
         match Gpu::new(&GpuOptions::default()) {
             Ok(gpu) => {
                 let (name, backend) = (gpu.info().name.clone(), gpu.info().backend.clone());
-                (Ghyll { gpu: Some(gpu) }, Ok(format!("{name} ({backend})")))
+                (Ghyll { gpu: Some(gpu), recent: Mutex::default() }, Ok(format!("{name} ({backend})")))
             }
-            Err(error) => (Ghyll { gpu: None }, Err(error.to_string())),
+            Err(error) => (Ghyll { gpu: None, recent: Mutex::default() }, Err(error.to_string())),
         }
     }
 
     /// Whether the mode can be run on this machine.
     pub fn runs(&self, mode: Mode) -> bool {
         !mode.is_gpu() || self.gpu.is_some()
+    }
+
+    fn ready(&self, wanted: Wanted) -> Result<Arc<Ready>, Failure> {
+        let kept = |recent: &VecDeque<(Wanted, Result<Arc<Ready>, Failure>)>| {
+            recent.iter().find(|(known, _)| *known == wanted).map(|(_, ready)| ready.clone())
+        };
+        let lock = || self.recent.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(ready) = kept(&lock()) {
+            return ready;
+        }
+        let ready = Ready::compile(&wanted).map(Arc::new);
+        let mut recent = lock();
+        recent.push_front((wanted, ready.clone()));
+        recent.truncate(RECENT);
+        ready
     }
 
     fn machine(&self, mode: Mode) -> Result<Machine, Failure> {
@@ -88,7 +118,7 @@ impl Backend for Ghyll {
             }
             let same: Vec<usize> =
                 (first..calls.len()).filter(|i| calls[*i].entry == calls[first].entry).collect();
-            match Ready::new(program, settings, &calls[first].entry, EntryKind::Value, (1, 1)) {
+            match self.ready(Wanted::value(program, settings, &calls[first].entry)) {
                 Ok(ready) => {
                     let args: Vec<&[String]> = same.iter().map(|i| calls[*i].args.as_slice()).collect();
                     let found = self.run_entry(&ready, settings, mode, &args);
@@ -110,7 +140,9 @@ impl Backend for Ghyll {
         render: &Render,
     ) -> Result<Picture, Failure> {
         let size = (render.width, render.height);
-        let ready = Ready::new(program, settings, &render.entry, EntryKind::Image, size)?;
+        let wanted =
+            Wanted { kind: Some(EntryKind::Image), size, ..Wanted::value(program, settings, &render.entry) };
+        let ready = self.ready(wanted)?;
         let machine = self.machine(mode)?;
         let (image, _) = ready.job().render(&machine, size, &config(settings, mode)).map_err(failure)?;
         let components = ready.compiled.result_words(&ready.checked.module);
@@ -124,14 +156,14 @@ impl Backend for Ghyll {
     }
 
     fn tasks(&self, program: &Program, settings: &Settings, entry: &str) -> Result<Vec<String>, Failure> {
-        let ready = Ready::of_any_kind(program, settings, entry)?;
+        let ready = self.ready(Wanted { kind: None, ..Wanted::value(program, settings, entry) })?;
         let names: BTreeSet<String> =
             ready.compiled.back.table.tasks.iter().map(|t| t.function.clone()).collect();
         Ok(names.into_iter().collect())
     }
 
     fn trace(&self, program: &Program, settings: &Settings, call: &Call) -> Result<Vec<String>, Failure> {
-        let ready = Ready::new(program, settings, &call.entry, EntryKind::Value, (1, 1))?;
+        let ready = self.ready(Wanted::value(program, settings, &call.entry))?;
         let words = ready.job().constants(&ready.values(&call.args)?).map_err(failure)?;
         let back = &ready.compiled.back;
         let first = stream::initial(&back.table, back.entry, &words);
@@ -188,32 +220,20 @@ struct Ready {
     scene: Option<Scene>,
 }
 
+impl Wanted {
+    fn value(program: &Program, settings: &Settings, entry: &str) -> Wanted {
+        let (program, settings) = (program.clone(), settings.clone());
+        Wanted { program, settings, entry: entry.into(), kind: Some(EntryKind::Value), size: (1, 1) }
+    }
+}
+
 impl Ready {
-    fn new(
-        program: &Program,
-        settings: &Settings,
-        entry: &str,
-        kind: EntryKind,
-        size: (u32, u32),
-    ) -> Result<Ready, Failure> {
-        Ready::compile(program, settings, entry, Some(kind), size)
-    }
-
-    fn of_any_kind(program: &Program, settings: &Settings, entry: &str) -> Result<Ready, Failure> {
-        Ready::compile(program, settings, entry, None, (1, 1))
-    }
-
-    fn compile(
-        program: &Program,
-        settings: &Settings,
-        entry: &str,
-        want: Option<EntryKind>,
-        size: (u32, u32),
-    ) -> Result<Ready, Failure> {
+    fn compile(wanted: &Wanted) -> Result<Ready, Failure> {
+        let Wanted { program, settings, entry, kind, size } = wanted;
         let checked = check(source(program)).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
         let options = Options {
-            entry: Some(entry.into()),
-            want,
+            entry: Some(entry.clone()),
+            want: *kind,
             set: settings.set.clone(),
             live: settings.live.clone(),
         };
@@ -221,7 +241,7 @@ impl Ready {
             CompileError::Program(report) => Failure::Diagnostics(diagnostics(&report)),
             CompileError::Request(text) => Failure::Usage(text),
         })?;
-        Ok(Ready { checked, compiled, scene: scene(settings, size)? })
+        Ok(Ready { checked, compiled, scene: scene(settings, *size)? })
     }
 
     fn job(&self) -> Job<'_> {

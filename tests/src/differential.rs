@@ -49,7 +49,8 @@ pub fn search(
         let lists: Vec<Vec<u32>> = trees.iter().map(ValueTree::current).collect();
         for mode in modes {
             if let Some((index, told)) = compare(backend, *mode, &lists) {
-                return Err(Box::new(shrink(backend, *mode, &mut trees[index], told)));
+                let guilty = guilty(backend, *mode, &lists, index);
+                return Err(Box::new(shrink(backend, *mode, &mut trees[guilty], told)));
             }
         }
     }
@@ -86,6 +87,13 @@ fn compare(backend: &dyn Backend, mode: Mode, lists: &[Vec<u32>]) -> Option<(usi
         }
     }
     (expected.len() != calls.len() || found.len() != calls.len()).then(|| (0, "an answer is missing".into()))
+}
+
+/// The program that disagrees on its own too: the one that was told of, or, where the whole file was refused, the
+/// first that is.
+fn guilty(backend: &dyn Backend, mode: Mode, lists: &[Vec<u32>], told: usize) -> usize {
+    let alone = |k: &usize| compare(backend, mode, &lists[*k..=*k]).is_some();
+    std::iter::once(told).chain(0..lists.len()).find(alone).unwrap_or(told)
 }
 
 fn together(lists: &[Vec<u32>]) -> Program {

@@ -55,7 +55,7 @@ fn tail_block(scope: &mut Scope, task: &Task, block: &TailBlock) -> Result<(), S
 }
 
 /// Results follow from exits whose function tokens have known results, until nothing new is learnt.
-fn results(table: &Table) -> Result<Vec<Option<Vec<Scalar>>>, String> {
+pub(crate) fn results(table: &Table) -> Result<Vec<Option<Vec<Scalar>>>, String> {
     let mut known: Vec<Option<Vec<Scalar>>> = vec![None; table.tasks.len()];
     loop {
         let mut learnt = false;

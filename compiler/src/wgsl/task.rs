@@ -133,7 +133,7 @@ impl Exits {
     }
 }
 
-fn word(writer: &mut Writer, atom: Atom) -> String {
+pub fn word(writer: &mut Writer, atom: Atom) -> String {
     match atom {
         Atom::Const(c) => format!("{}u", c.word()),
         Atom::Var(v) => to_word(writer.vars[v.0 as usize], &format!("v{}", v.0)),

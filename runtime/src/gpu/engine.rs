@@ -3,15 +3,16 @@
 use std::time::{Duration, Instant};
 
 use super::buffers::{Buffers, Capacity};
-use super::code::{Code, Config, Rewriter};
+use super::code::Code;
 use super::device::Gpu;
-use super::error::RunError;
 use super::fuel::Fuel;
 use super::image::{PIXEL_FUEL, PIXEL_SHARE};
 use super::layout::{NO_TASK, Params, State};
 use super::pipelines::{Groups, Pipelines};
 use super::readback::Readback;
 use super::shape::Shape;
+use crate::config::{Config, Rewriter};
+use crate::error::RunError;
 
 /// Bind group 1 of the program's functions.
 pub struct Scene {
@@ -225,7 +226,7 @@ impl Engine {
     fn groups_of_lanes(&self) -> u32 {
         let parallel = self.gpu.parallel_groups();
         match self.config.threads {
-            Some(threads) => (threads / self.shape.lanes).clamp(1, 65535),
+            Some(threads) => (threads as u32 / self.shape.lanes).clamp(1, 65535),
             // Expansion stops when all lanes are busy; the paper's rounds have no use for that.
             None if self.gpu.info().software && self.config.rewriter != Rewriter::Block => parallel * 4,
             None if self.gpu.info().software => parallel * 256,

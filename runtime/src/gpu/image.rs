@@ -3,11 +3,11 @@
 
 use std::time::{Duration, Instant};
 
-use super::code::Rewriter;
 use super::engine::{Ended, Engine, Frame, Job, Stats};
-use super::error::RunError;
 use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
 use super::shader::Kernel;
+use crate::config::Rewriter;
+use crate::error::RunError;
 
 /// What a submission of pixels should take; a driver's watchdog waits for 2 s.
 const SUBMISSION: Duration = Duration::from_millis(400);
@@ -43,11 +43,22 @@ impl Engine {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
         self.fit(width, height)?;
-        if self.code.has_shade && self.config.rewriter != Rewriter::Block {
-            self.direct(&mut job, width, height, entry)?;
-        } else if self.config.rewriter == Rewriter::Block {
+        let direct = match self.config.rewriter {
+            Rewriter::Auto => self.code.has_shade,
+            Rewriter::Lane => self.code.fused,
+            Rewriter::Block => false,
+        };
+        let mut done = false;
+        if direct {
+            done = match self.direct(&mut job, width, height, entry) {
+                // A lane with a window can be suspended, one without cannot.
+                Err(RunError::LoopTooLong { .. }) if !self.code.fused => false,
+                other => other.map(|()| true)?,
+            };
+        }
+        if !done && self.config.rewriter == Rewriter::Block {
             self.stream_pixels(&mut job, width, height, entry)?;
-        } else {
+        } else if !done {
             self.draw_pixels(&mut job, width, height, entry)?;
         }
         Ok(self.close(job, compiled))
@@ -120,7 +131,7 @@ impl Engine {
                 if rows == 1 && (time > SUBMISSION || params.fuel > i32::MAX / 8) {
                     return Err(RunError::LoopTooLong {
                         function: self.code.name(entry).to_owned(),
-                        steps: params.fuel as u32,
+                        steps: params.fuel as u64,
                     });
                 }
                 params.fuel = params.fuel.saturating_mul(8);

@@ -29,8 +29,10 @@ mod template;
 #[cfg(test)]
 mod tests;
 
-pub use code::{Code, Config, Rewriter};
+pub use crate::config::{Config, Rewriter};
+pub use crate::error::RunError;
+pub use code::Code;
 pub use device::{Gpu, GpuOptions, Info};
 pub use engine::{Engine, Frame, Outcome, Scene, Stats};
-pub use error::{GpuError, RunError};
+pub use error::GpuError;
 pub use pipelines::trusted_module;

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use super::buffers::Buffers;
 use super::code::Code;
 use super::device::Gpu;
-use super::error::RunError;
 use super::shader::{Kernel, source};
 use super::shape::Shape;
+use crate::error::RunError;
 
 pub struct Pipelines {
     stream: wgpu::BindGroupLayout,

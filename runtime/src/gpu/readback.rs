@@ -3,7 +3,7 @@
 use std::sync::mpsc;
 
 use super::device::Gpu;
-use super::error::RunError;
+use crate::error::RunError;
 
 /// Words to read: buffer, first word, number.
 pub type Range<'a> = (&'a wgpu::Buffer, u64, usize);
@@ -56,7 +56,7 @@ impl Readback {
             let _ = sender.send(result);
         });
         wait(gpu)?;
-        let lost = |text: String| RunError::DeviceLost(gpu.lost().unwrap_or(text));
+        let lost = |text: String| RunError::Device(gpu.lost().unwrap_or(text));
         let mapped = receiver.recv().map_err(|error| lost(error.to_string()))?;
         mapped.map_err(|error| lost(error.to_string()))?;
         let view = buffer.get_mapped_range(0..bytes).map_err(|error| lost(error.to_string()))?;
@@ -75,8 +75,8 @@ impl Readback {
 fn wait(gpu: &Gpu) -> Result<(), RunError> {
     let polled = gpu.device.poll(wgpu::PollType::wait_indefinitely());
     match (gpu.lost(), polled) {
-        (Some(text), _) => Err(RunError::DeviceLost(text)),
-        (None, Err(error)) => Err(RunError::DeviceLost(error.to_string())),
+        (Some(text), _) => Err(RunError::Device(text)),
+        (None, Err(error)) => Err(RunError::Device(error.to_string())),
         (None, Ok(_)) => Ok(()),
     }
 }

@@ -3,13 +3,13 @@
 use std::time::{Duration, Instant};
 
 use super::engine::{Ended, Engine, Job};
-use super::error::RunError;
 use super::layout::{
     DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
     State,
 };
 use super::shader::Kernel;
 use super::shape::GRID;
+use crate::error::RunError;
 
 const STAGES: [Kernel; 4] = [Kernel::Decode, Kernel::Execute, Kernel::Allocate, Kernel::Splice];
 /// Rounds without a rewrite after which what is short will not come by itself.
@@ -205,10 +205,14 @@ impl Engine {
         let function = || self.code.name(job.latest).to_owned();
         let rewrites = job.stats.rewrites;
         if seconds > self.config.timeout {
-            return Err(RunError::Timeout { function: function(), seconds: seconds.as_secs_f64(), rewrites });
+            return Err(RunError::Timeout {
+                function: function(),
+                seconds: seconds.as_secs_f64(),
+                reached: format!("{rewrites} rewrites"),
+            });
         }
         if self.config.max_rewrites.is_some_and(|most| rewrites > most) {
-            return Err(RunError::MaxRewrites { function: function(), rewrites });
+            return Err(RunError::MaxRewrites { function: function(), limit: rewrites });
         }
         Ok(())
     }
@@ -225,7 +229,7 @@ impl Engine {
     pub(super) fn loop_too_long(&self, state: &State) -> RunError {
         RunError::LoopTooLong {
             function: self.code.name(state.culprit).to_owned(),
-            steps: self.fuel.steps as u32,
+            steps: self.fuel.steps as u64,
         }
     }
 

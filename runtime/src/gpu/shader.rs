@@ -1,9 +1,9 @@
 //! Assembles the kernels from `shaders/` and the generated functions.
 
 use super::code::Code;
-use super::error::RunError;
 use super::shape::{Shape, Windows};
 use super::template::fill;
+use crate::error::RunError;
 
 /// A kernel: a WGSL entry point with all it needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -1,7 +1,8 @@
 //! All sizes of the rewriter, derived from the program and the adapter.
 
-use super::code::{Code, Config, Rewriter};
-use super::error::RunError;
+use super::code::Code;
+use crate::config::{Config, Rewriter};
+use crate::error::RunError;
 
 /// Longest block; a pair's function bits must fit into workgroup memory.
 const LONGEST_BLOCK: u32 = 1 << 14;

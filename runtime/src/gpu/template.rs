@@ -1,6 +1,6 @@
 //! Templates whose markers must each be there exactly once.
 
-use super::error::RunError;
+use crate::error::RunError;
 
 /// Replaces the one occurrence of `marker`.
 pub fn fill(template: &str, marker: &str, text: &str) -> Result<String, RunError> {

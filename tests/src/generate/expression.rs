@@ -2,6 +2,9 @@
 
 use super::{COST_LIMIT, COUNTER_LIMIT, Generator, Type};
 
+/// Function values that are not known to the compiler: it does not take them yet.
+const CHOSEN_AT_RUN_TIME: bool = false;
+
 /// What an expression may use.
 pub(super) struct Scope {
     /// Types of the names `v0`, `v1`, ..
@@ -49,6 +52,13 @@ impl Generator<'_> {
         if depth == 0 || !scope.affords(10.0) {
             return self.leaf(ty, scope);
         }
+        if let (Type::Fn(of), false) = (ty, CHOSEN_AT_RUN_TIME) {
+            return if self.genes.chance(50) {
+                self.function_value(of, depth, scope)
+            } else {
+                self.leaf(ty, scope)
+            };
+        }
         match self.genes.pick(13) {
             0 => self.leaf(ty, scope),
             1..=4 => self.operation(ty, depth, scope),
@@ -77,8 +87,15 @@ impl Generator<'_> {
         match ty {
             Type::I32 => self.genes.one(I32S).to_string(),
             Type::F32 => self.genes.one(F32S).to_string(),
-            Type::U32 if self.genes.chance(60) => self.genes.one(U32S).to_string(),
-            Type::U32 => format!("u32({})", self.leaf(&Type::I32, scope)),
+            Type::U32 => {
+                // A literal would be read as u32 here, and a negative one refused.
+                let variables: Vec<usize> =
+                    (0..scope.locals.len()).filter(|i| scope.locals[*i] == Type::I32).collect();
+                if variables.is_empty() || self.genes.chance(60) {
+                    return self.genes.one(U32S).to_string();
+                }
+                format!("u32(v{})", self.genes.one(&variables))
+            }
             Type::Bool => {
                 let (a, b) = (self.leaf(&Type::I32, scope), self.leaf(&Type::I32, scope));
                 format!("{a} {} {b}", self.genes.one(&["==", "<", ">=", "!=", ">", "<="]))
@@ -265,8 +282,9 @@ impl Generator<'_> {
             (self.expression(&Type::Bool, depth - 1, s), self.expression(ty, depth - 1, s))
         });
         let third = self.expression(ty, depth - 1, scope);
+        // `i32` keeps a literal from taking its type from what an arm does with the name.
         format!(
-            "(match {scrutinee} {{ 0 | -1 | 7 => {first}, {name} if {guard} => {second}, _ => {third} }})"
+            "(match i32({scrutinee}) {{ 0 | -1 | 7 => {first}, {name} if {guard} => {second}, _ => {third} }})"
         )
     }
 
@@ -319,7 +337,7 @@ impl Generator<'_> {
     }
 
     fn function_value(&mut self, of: &Type, depth: usize, scope: &mut Scope) -> String {
-        if depth > 1 && self.genes.chance(40) {
+        if CHOSEN_AT_RUN_TIME && depth > 1 && self.genes.chance(40) {
             let c = self.expression(&Type::Bool, depth - 1, scope);
             let yes = self.function_value(of, depth - 1, scope);
             let no = self.function_value(of, depth - 1, scope);

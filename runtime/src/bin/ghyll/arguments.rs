@@ -20,7 +20,7 @@ pub struct Arguments {
 pub enum Command {
     /// Evaluate a value entry (`fn main`) and print its value.
     #[command(after_help = "Example:\n  ghyll run lang-examples/fib.ghyll -- 25")]
-    Run(Run),
+    Run(Box<Run>),
     /// Render an image entry (`fn pixel`); without a file the built-in example on the built-in elevation data.
     #[command(
         after_help = "Examples:\n  ghyll render\n  ghyll render --view topdown --size 800x800 -o fuji.png\n  \

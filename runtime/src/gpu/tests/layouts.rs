@@ -1,10 +1,11 @@
 //! Structs and constants shared with the shaders, compared with what naga reads.
 
-use super::super::code::{Code, Config};
+use super::super::code::Code;
 use super::super::layout::{self, PAIR_BYTES, Params, State};
 use super::super::shader::{Kernel, source};
 use super::super::shape::{Shape, Windows};
 use super::programs::picture;
+use crate::config::Config;
 
 fn parse(kernel: Kernel, code: &Code, shape: &Shape) -> wgpu::naga::Module {
     let text = source(kernel, shape, code).unwrap();

@@ -123,7 +123,7 @@ impl Variant<'_> {
         let mut rewrites = 0;
         for round in 0..=repeat {
             let started = Instant::now();
-            let outcome = engine.run(&stream).map_err(|e| Failure::run(e.into()))?;
+            let outcome = engine.run(&stream).map_err(Failure::run)?;
             let seconds = started.elapsed().as_secs_f64();
             let module = &self.checked.module;
             let value = GhyllValue::unflatten(&outcome.words, &self.compiled.result, module);

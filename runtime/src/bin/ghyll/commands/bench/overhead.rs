@@ -32,7 +32,7 @@ impl Subject {
         match self {
             Subject::Kernel(kernel) => kernel.draw(gpu).map_err(Failure::Run)?,
             Subject::Program(engine, entry) => {
-                engine.draw(SIZE, SIZE, *entry).map_err(|e| Failure::run(e.into()))?;
+                engine.draw(SIZE, SIZE, *entry).map_err(Failure::run)?;
             }
         }
         Ok(started.elapsed().as_secs_f64())
@@ -42,7 +42,7 @@ impl Subject {
     fn picture(&mut self, gpu: &Gpu) -> Result<Vec<f32>, Failure> {
         match self {
             Subject::Kernel(kernel) => kernel.picture(gpu).map_err(Failure::Run),
-            Subject::Program(engine, _) => engine.picture(SIZE, SIZE).map_err(|e| Failure::run(e.into())),
+            Subject::Program(engine, _) => engine.picture(SIZE, SIZE).map_err(Failure::run),
         }
     }
 }

@@ -19,10 +19,10 @@ use std::collections::{BTreeSet, HashMap};
 const MOST_NODES: usize = 96;
 const MOST_WORDS: u32 = 512;
 
-/// A task with the window it is met with.
+/// A task with the window it is met with; none stands for literals behind the last token of an emission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Node {
-    task: TaskId,
+    task: Option<TaskId>,
     /// Words on the left stack.
     left: u32,
     /// Words on the right stack, the header of the task's segment already taken.
@@ -34,7 +34,7 @@ struct Node {
 /// A function token of an emission with the literals before it.
 struct Segment<'a> {
     literals: Vec<&'a Atom>,
-    task: TaskId,
+    task: Option<TaskId>,
 }
 
 struct Network<'a> {
@@ -64,15 +64,15 @@ pub fn shade(table: &Table, entry: TaskId, needs: &mut Needs) -> Option<String> 
 impl<'a> Network<'a> {
     /// Finds every node; none if there is no end to them.
     fn explored(mut self, entry: TaskId) -> Option<Network<'a>> {
-        self.node(Node { task: entry, left: 2, right: 0, literals: 0 });
+        self.node(Node { task: Some(entry), left: 2, right: 0, literals: 0 });
         let mut next = 0;
         while next < self.nodes.len() {
             if self.nodes.len() > MOST_NODES || self.nodes[next].left + self.nodes[next].right > MOST_WORDS {
                 return None;
             }
             let node = self.nodes[next];
-            for emission in self.table.task(node.task).emissions() {
-                for target in self.targets(node, &segments(emission)?)? {
+            for emission in self.emissions(node) {
+                for target in self.targets(node, &segments(emission))? {
                     self.node(target);
                 }
             }
@@ -88,9 +88,13 @@ impl<'a> Network<'a> {
         }
     }
 
+    fn emissions(&self, node: Node) -> Vec<&'a Emission> {
+        node.task.map_or_else(Vec::new, |task| self.table.task(task).emissions())
+    }
+
     /// Left and right depth once a node has taken its operands.
     fn base(&self, node: Node) -> (u32, u32) {
-        let arity = self.table.task(node.task).arity();
+        let arity = node.task.map_or(0, |task| self.table.task(task).arity());
         (node.left + node.literals - arity, node.right - node.literals)
     }
 
@@ -110,8 +114,10 @@ impl<'a> Network<'a> {
             }
             found.push(Node { task: segment.task, left, right, literals: waiting });
             right -= waiting;
-            let task = segment.task.0 as usize;
-            left = left + waiting + self.widths[task]? - self.table.tasks[task].arity();
+            left += waiting;
+            if let Some(task) = segment.task {
+                left = left + self.widths[task.0 as usize]? - self.table.task(task).arity();
+            }
         }
         Some(found)
     }
@@ -125,7 +131,8 @@ impl<'a> Network<'a> {
         let mut lasts: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); n];
         let mut ends = vec![false; n];
         for (at, node) in self.nodes.iter().enumerate() {
-            for emission in self.table.task(node.task).emissions() {
+            ends[at] = node.task.is_none();
+            for emission in self.emissions(*node) {
                 let chain = self.chain(*node, emission)?;
                 match (chain.first(), chain.last()) {
                     (Some(first), Some(last)) => {
@@ -162,7 +169,7 @@ impl<'a> Network<'a> {
 
     /// Indices of an emission's nodes.
     fn chain(&self, node: Node, emission: &Emission) -> Option<Vec<usize>> {
-        let targets = self.targets(node, &segments(emission)?)?;
+        let targets = self.targets(node, &segments(emission))?;
         targets.iter().map(|target| self.known.get(target).copied()).collect()
     }
 
@@ -170,7 +177,8 @@ impl<'a> Network<'a> {
         let mut bodies = String::new();
         for at in order {
             let node = self.nodes[*at];
-            let mut writer = Writer::new(self.table, needs, &self.table.task(node.task).vars);
+            let vars = node.task.map_or(&[][..], |task| &self.table.task(task).vars);
+            let mut writer = Writer::new(self.table, needs, vars);
             writer.indent = 1;
             self.visit(&mut writer, *at, node);
             bodies += &writer.out;
@@ -198,20 +206,21 @@ impl<'a> Network<'a> {
 
     /// One node: operands from the window, body, emission into the window.
     fn visit(&self, writer: &mut Writer, at: usize, node: Node) {
-        let task = self.table.task(node.task);
-        let name: String = task.name.chars().filter(|c| !c.is_control()).collect();
+        let task = node.task.map(|task| self.table.task(task));
+        let name = task.map_or("literals", |task| &task.name);
+        let name: String = name.chars().filter(|c| !c.is_control()).collect();
         writer.line(&format!("// {name}"));
         writer.open(&format!("if (next == {at}u) {{"));
-        let (base, _) = self.base(node);
+        let (base, right) = self.base(node);
         // Place of the i-th word of the left stack once the segment's literals have come to it.
         let place = |i: u32| match i < node.left {
             true => format!("l{i}"),
             false => format!("r{}", node.right - 1 - (i - node.left)),
         };
-        let loops = has_again(&task.body);
+        let loops = task.is_some_and(|task| has_again(&task.body));
         let binding = if loops { "var" } else { "let" };
-        for (i, v) in (0..).zip(&task.params) {
-            let value = from_word(task.vars[v.0 as usize], &place(base + i));
+        for (i, v) in (0..).zip(task.map_or(&[][..], |task| &task.params)) {
+            let value = from_word(writer.vars[v.0 as usize], &place(base + i));
             writer.line(&format!("{binding} v{} = {value};", v.0));
         }
         for i in node.left..base.max(node.left) {
@@ -221,7 +230,10 @@ impl<'a> Network<'a> {
         if loops {
             writer.open("loop {");
         }
-        self.exits(writer, node, &task.body, loops);
+        match task {
+            Some(task) => self.exits(writer, node, &task.body, loops),
+            None => take_next(writer, right),
+        }
         if loops {
             writer.close("}");
         }
@@ -250,7 +262,8 @@ impl<'a> Network<'a> {
                 // The pixel is void and drawn again with more fuel.
                 writer.line("if (fuel <= 0) { exhausted = true; break; }");
                 writer.line("fuel -= 1;");
-                writer.assign_all(&self.table.task(node.task).params, args);
+                let params = node.task.map_or(&[][..], |task| &self.table.task(task).params);
+                writer.assign_all(params, args);
                 writer.line("continue;");
             }
         }
@@ -258,7 +271,8 @@ impl<'a> Network<'a> {
 
     fn emit(&self, writer: &mut Writer, node: Node, emission: &Emission) {
         let (left, mut right) = self.base(node);
-        let (Some(segments), Some(chain)) = (segments(emission), self.chain(node, emission)) else { return };
+        let segments = segments(emission);
+        let Some(chain) = self.chain(node, emission) else { return };
         for (segment, node) in segments.iter().zip(&chain).skip(1).rev() {
             for literal in segment.literals.iter().rev() {
                 let word = task::word(writer, **literal);
@@ -278,9 +292,16 @@ impl<'a> Network<'a> {
         }
         match chain.first() {
             Some(first) => writer.line(&format!("next = {first}u;")),
-            None if right == 0 => writer.line("next = NO_TASK;"),
-            None => writer.line(&format!("next = r{};", right - 1)),
+            None => take_next(writer, right),
         }
+    }
+}
+
+/// Takes the next token from the right.
+fn take_next(writer: &mut Writer, right: u32) {
+    match right {
+        0 => writer.line("next = NO_TASK;"),
+        _ => writer.line(&format!("next = r{};", right - 1)),
     }
 }
 
@@ -291,19 +312,23 @@ fn literal(token: &Token<Atom>) -> Option<&Atom> {
     }
 }
 
-/// An emission's function tokens with the literals before each; none if literals come after the last of them.
-fn segments(emission: &Emission) -> Option<Vec<Segment<'_>>> {
+/// An emission's function tokens with the literals before each, and the literals behind the last; nothing for an
+/// emission of literals only.
+fn segments(emission: &Emission) -> Vec<Segment<'_>> {
     let mut found = Vec::new();
     let mut literals = Vec::new();
     for token in emission {
         match token {
             Token::Literal(atom) => literals.push(atom),
             Token::Function(task) => {
-                found.push(Segment { literals: std::mem::take(&mut literals), task: *task });
+                found.push(Segment { literals: std::mem::take(&mut literals), task: Some(*task) });
             }
         }
     }
-    (found.is_empty() || literals.is_empty()).then_some(found)
+    if !found.is_empty() && !literals.is_empty() {
+        found.push(Segment { literals, task: None });
+    }
+    found
 }
 
 fn has_again(block: &TailBlock) -> bool {
@@ -343,4 +368,76 @@ fn mentions(text: &str, name: char, index: u32) -> bool {
         let after = text[at + slot.len()..].chars().next().is_some_and(word);
         !before && !after
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::check;
+    use crate::compile::{self, Options};
+    use crate::source::Source;
+    use crate::wgsl::Wgsl;
+
+    fn written(text: &str) -> Wgsl {
+        let checked = compile::check(Source::new("test", text)).expect("the program is right");
+        let compiled = compile::compile(&checked, &Options::default());
+        compiled.expect("the program compiles").back.wgsl
+    }
+
+    fn visits(wgsl: &Wgsl) -> usize {
+        wgsl.text.matches("if (next == ").count()
+    }
+
+    #[test]
+    fn a_chain_of_tasks_is_visited_once_each() {
+        let wgsl = written(
+            "@task fn a(x: f32) -> f32 = x + 1.0;
+             @task fn b(x: f32) -> f32 = x * 2.0;
+             fn pixel(p: vec2) -> f32 = b(a(p.x)) + p.y;",
+        );
+        check(&wgsl);
+        assert!(wgsl.has_shade && !wgsl.fused);
+        // pixel, a, b and the continuation of pixel.
+        assert_eq!(visits(&wgsl), 4);
+    }
+
+    #[test]
+    fn a_task_met_at_two_depths_is_visited_twice() {
+        let wgsl = written(
+            "@task fn a(x: f32) -> f32 = x + 1.0;
+             fn pixel(p: vec2) -> vec2 = vec2(a(p.x), a(p.y));",
+        );
+        check(&wgsl);
+        // pixel emits `x a y a`: the second call finds its operand on the right.
+        assert_eq!(visits(&wgsl), 3);
+    }
+
+    #[test]
+    fn literals_behind_the_last_token_are_put_in_place() {
+        let wgsl = written(
+            "@task fn a(x: f32) -> f32 = x + 1.0;
+             fn pixel(p: vec2) -> vec2 = vec2(a(p.x), p.y);",
+        );
+        check(&wgsl);
+        assert!(wgsl.has_shade && wgsl.text.contains("// literals"));
+    }
+
+    #[test]
+    fn recursion_has_no_last_visit() {
+        let wgsl = written(
+            "fn fib(n: i32) -> i32 = if n < 2 { n } else { fib(n - 1) + fib(n - 2) };
+             fn pixel(p: vec2) -> f32 = f32(fib(i32(p.x)));",
+        );
+        check(&wgsl);
+        assert!(!wgsl.has_shade);
+    }
+
+    #[test]
+    fn a_tail_call_loop_spends_fuel() {
+        let wgsl = written(
+            "fn double(n: i32, x: f32) -> f32 = if n == 0 { x } else { double(n - 1, x + x) };
+             fn pixel(p: vec2) -> f32 = double(i32(p.x), 1.0);",
+        );
+        check(&wgsl);
+        assert!(wgsl.has_shade && wgsl.text.contains("exhausted = true; break;"));
+    }
 }

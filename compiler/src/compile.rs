@@ -131,7 +131,11 @@ fn find_entry(module: &Module, options: &Options) -> Result<(FunctionId, EntryKi
             format!("there is no function `{name}` (the program has: {})", have.join(", "))
         }
         (None, Some(EntryKind::Image)) => {
-            "the program has no `fn pixel(p: vec2) -> vec3`; name another entry with --entry NAME".into()
+            let hint = match module.function("main") {
+                Some(_) => "; it has a value entry: use `ghyll run`, or name another entry with --entry NAME",
+                None => "; name another entry with --entry NAME",
+            };
+            format!("the program has no `fn pixel(p: vec2) -> vec3`{hint}")
         }
         (None, Some(EntryKind::Value)) => {
             let hint = match module.function("pixel") {

@@ -120,6 +120,7 @@ pub struct Machine {
 
 #[derive(Args)]
 pub struct Run {
+    /// Program.
     pub file: PathBuf,
     #[command(flatten)]
     pub program: Program,
@@ -165,6 +166,7 @@ pub struct Terrain {
 
 #[derive(Args)]
 pub struct Render {
+    /// Program; the built-in example if absent.
     pub file: Option<PathBuf>,
     #[command(flatten)]
     pub program: Program,
@@ -204,6 +206,7 @@ pub struct Render {
 
 #[derive(Args)]
 pub struct Check {
+    /// Program.
     pub file: PathBuf,
     /// Diagnostics as JSON on standard output.
     #[arg(long)]
@@ -212,6 +215,7 @@ pub struct Check {
 
 #[derive(Args)]
 pub struct Build {
+    /// Program.
     pub file: PathBuf,
     #[command(flatten)]
     pub program: Program,
@@ -226,12 +230,14 @@ pub struct Build {
 
 #[derive(Args)]
 pub struct Trace {
+    /// Program.
     pub file: PathBuf,
     #[command(flatten)]
     pub program: Program,
     /// Print at most this many streams.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     pub rounds: usize,
+    /// Arguments of the entry, as Ghyll expressions.
     #[arg(last = true, value_name = "ARGS")]
     pub args: Vec<String>,
 }
@@ -242,6 +248,7 @@ pub struct Info {
     pub dem: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
+    /// The report as JSON.
     #[arg(long)]
     pub json: bool,
 }

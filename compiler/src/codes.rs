@@ -76,7 +76,7 @@ codes! {
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
 
-    FILE_MODULE "E0901" "modules in files are not supported yet";
+    FILE_MODULE "E0907" "modules in files are not supported yet";
 }
 
 #[cfg(test)]

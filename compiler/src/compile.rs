@@ -168,7 +168,10 @@ fn settings(module: &Module, options: &Options) -> Result<Settings, CompileError
     for (name, text) in &options.set {
         let id = find(name)?;
         let param = &module.params[id.0 as usize];
-        let argument = parse_arguments(module, text, &param.ty).map_err(CompileError::Program)?;
+        let argument = parse_arguments(module, text, &param.ty).map_err(|report| {
+            let sources = report.sources.named(&format!("--set {name}"));
+            CompileError::Program(Report { sources, ..report })
+        })?;
         in_range(module, id, name, &argument.expr)?;
         settings.set.insert(id, Setting { value: argument.expr, locals: argument.locals });
     }

@@ -51,25 +51,43 @@ pub fn expression(source: SourceId, text: &str) -> Parsed<Expr> {
     })
 }
 
-fn parse<T>(source: SourceId, text: &str, run: impl FnOnce(&mut Context, &[Spanned]) -> T) -> Parsed<T> {
-    let Lexed { lexemes, diagnostics, unclosed } = lex(source, text);
+/// Missing semicolons put in before the rest of the text is left as it is.
+const MOST_REPAIRS: usize = 64;
+
+fn parse<T>(source: SourceId, text: &str, run: impl Fn(&mut Context, &[Spanned]) -> T) -> Parsed<T> {
+    let Lexed { mut lexemes, diagnostics, unclosed } = lex(source, text);
     // The text was cut off: what follows would only repeat that.
     let cut = diagnostics.iter().any(|d| [codes::TOO_DEEP, codes::TOO_LONG].contains(&d.code));
-    let ends: Vec<usize> = lexemes.iter().map(|&(_, _, end)| end).collect();
-    let index = |d: &Diagnostic| ends.partition_point(|&end| end <= d.primary.0.start as usize);
-    let errors_at = diagnostics.iter().map(index).collect();
-    let mut cx = Context {
-        source,
-        text_end: text.len(),
-        ends,
-        unclosed,
-        diagnostics: Vec::new(),
-        too_deep: false,
-        errors_at,
+    let mut repairs: Vec<Diagnostic> = Vec::new();
+    let (tree, cx) = loop {
+        let ends: Vec<usize> = lexemes.iter().map(|&(_, _, end)| end).collect();
+        let index = |d: &Diagnostic| ends.partition_point(|&end| end <= d.primary.0.start as usize);
+        let errors_at = diagnostics.iter().map(index).collect();
+        let mut cx = Context {
+            source,
+            text_end: text.len(),
+            ends,
+            unclosed: unclosed.clone(),
+            diagnostics: Vec::new(),
+            too_deep: false,
+            errors_at,
+            missing: None,
+        };
+        let tree = run(&mut cx, &lexemes);
+        // What follows a missing semicolon is read as if it stood there.
+        match cx.missing.take() {
+            Some((place, diagnostic)) if repairs.len() < MOST_REPAIRS => {
+                let before = lexemes.partition_point(|&(start, _, _)| start < place);
+                let at = before.checked_sub(1).map_or(place, |i| lexemes[i].2);
+                lexemes.insert(before, (at, Lexeme::Semi, at));
+                repairs.push(diagnostic);
+            }
+            _ => break (tree, cx),
+        }
     };
-    let tree = run(&mut cx, &lexemes);
     let mut all = diagnostics;
     if !cut {
+        all.extend(repairs);
         all.extend(cx.diagnostics);
     }
     all.sort_by_key(|d| d.primary.0.start);
@@ -89,6 +107,8 @@ pub struct Context {
     too_deep: bool,
     /// Indices of the lexemes where something was wrong.
     errors_at: Vec<usize>,
+    /// A semicolon is missing before this place, the first syntax error.
+    missing: Option<(usize, Diagnostic)>,
 }
 
 /// A field of a constructor pattern.

@@ -46,6 +46,14 @@ impl Sources {
         SourceId(self.0.len() as u32 - 1)
     }
 
+    /// Gives the first text another name, for what comes from elsewhere than a file.
+    pub fn named(mut self, name: &str) -> Sources {
+        if let Some(first) = self.0.first_mut() {
+            first.name = name.to_owned();
+        }
+        self
+    }
+
     pub fn get(&self, id: SourceId) -> &Source {
         &self.0[id.0 as usize]
     }

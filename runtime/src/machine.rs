@@ -171,13 +171,14 @@ impl Job<'_> {
     fn code(&self, prelude: String) -> gpu::Code {
         let back = &self.compiled.back;
         let tasks = &back.table.tasks;
+        let entry = &self.checked.module.functions[self.compiled.entry.0 as usize].name;
         gpu::Code {
             functions: back.wgsl.text.clone(),
             has_shade: back.wgsl.has_shade,
             fused: back.wgsl.fused,
             arities: tasks.iter().map(|t| t.arity()).collect(),
             longest_emission: back.table.longest_emission(),
-            names: tasks.iter().map(|t| t.function.clone()).collect(),
+            names: tasks.iter().map(|t| &t.function).chain([entry]).cloned().collect(),
             prelude,
             live_words: back.core.live.iter().map(|(_, scalars)| scalars.len() as u32).sum(),
         }

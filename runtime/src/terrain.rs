@@ -24,4 +24,4 @@ pub use dem::{DemError, DemOptions, Encoding, Voids};
 pub use field::{Georeference, Samples, Terrain, VOID_F32, VOID_I16};
 pub use pyramid::Pyramid;
 pub use scene::{Scene, SceneError, SceneOptions, Sun};
-pub use view::{Camera, NamedView, View};
+pub use view::{Camera, NAMED_FOV, NamedView, View};

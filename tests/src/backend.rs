@@ -21,11 +21,14 @@ use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+/// A program asked for and what became of it.
+type Recent = (Wanted, Result<Arc<Ready>, Failure>);
+
 /// The project's own compiler and runtime.
 pub struct Ghyll {
     gpu: Option<Gpu>,
     /// What was compiled last: the modes of a case ask for the same program one after the other.
-    recent: Mutex<VecDeque<(Wanted, Result<Arc<Ready>, Failure>)>>,
+    recent: Mutex<VecDeque<Recent>>,
 }
 
 /// How many compiled programs are kept.
@@ -204,7 +207,7 @@ impl Ghyll {
                 return Ok(Answer { value: value.to_string(), rounds });
             };
             let stream = job.stream(&args).map_err(failure)?;
-            let outcome = engine.run(&stream).map_err(|error| failure(error.into()))?;
+            let outcome = engine.run(&stream).map_err(failure)?;
             let module = &ready.checked.module;
             let value = Value::unflatten(&outcome.words, &ready.compiled.result, module).map_err(failure)?;
             Ok(Answer { value: value.to_string(), rounds: Some(outcome.stats.rounds as u32) })

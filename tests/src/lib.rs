@@ -14,6 +14,7 @@
 //! | [`backend`] | the only file that knows the runtime's interface |
 //! | [`differential`] | looks for random programs on which two modes disagree |
 //! | [`generate`] | random well-typed programs, and their shrinking |
+//! | [`hunt`] | looks for inputs that end in a panic, a hang or too much memory |
 //!
 //! The format of case files is described in `tests/README.md`.
 
@@ -21,6 +22,7 @@ pub mod backend;
 pub mod case;
 pub mod differential;
 pub mod generate;
+pub mod hunt;
 pub mod judge;
 pub mod mode;
 pub mod value;

@@ -17,7 +17,7 @@ use crate::core::{Atom, Block, Const, FnId, Function, Mark, Op, Prim, Program, S
 use crate::diagnostic::Diagnostic;
 use crate::layout;
 use crate::scalar;
-use crate::source::Span;
+use crate::source::{SourceId, Span};
 use crate::typed::{self, ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::rc::Rc;
@@ -37,6 +37,9 @@ pub struct Setting {
     pub value: Expr,
     pub locals: Vec<Local>,
 }
+
+/// The text that the user gave.
+const USER: SourceId = SourceId(0);
 
 /// More statements than this are refused: a program that grows so by specialisation is a mistake.
 const STATEMENT_LIMIT: usize = 400_000;
@@ -72,6 +75,8 @@ struct Job<'m> {
     /// Machine words in them are typed zeros.
     args: Vec<Value<'m>>,
     name: String,
+    /// The call in the user's program that led here.
+    called: Span,
 }
 
 struct Lower<'m> {
@@ -87,6 +92,8 @@ struct Lower<'m> {
     errors: Vec<Diagnostic>,
     /// First word of each live parameter.
     live: BTreeMap<ParamId, u32>,
+    /// The user's call that led to the function under construction.
+    called: Option<Span>,
     /// Constants already computed.
     constants: HashMap<ConstId, Value<'m>>,
 }
@@ -121,6 +128,7 @@ impl<'m> Lower<'m> {
             errors: Vec::new(),
             live: BTreeMap::new(),
             constants: HashMap::new(),
+            called: None,
         }
     }
 
@@ -215,7 +223,8 @@ impl<'m> Lower<'m> {
                 words.iter().map(|a| Atom::Const(Const::from_word(self.scalar_of(*a), 0))).collect();
             let mut holes = holes.into_iter();
             let args = args.iter().zip(&param_types).map(|(v, t)| self.rebuild(v, t, &mut holes)).collect();
-            self.queue.push_back(Job { id, function, types: Rc::new(types), args, name });
+            let called = self.called.filter(|_| span.source != USER).unwrap_or(span);
+            self.queue.push_back(Job { id, function, types: Rc::new(types), args, name, called });
         }
         (id, words)
     }
@@ -228,6 +237,7 @@ impl<'m> Lower<'m> {
 
     /// Lowers one specialisation.
     fn function(&mut self, job: Job<'m>) {
+        self.called = Some(job.called);
         let definition = &self.module.functions[job.function.0 as usize];
         self.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
 
@@ -287,7 +297,13 @@ impl<'m> Lower<'m> {
         Some((param.name.clone(), layout::scalars(self.module, &param.ty)?))
     }
 
-    fn error(&mut self, diagnostic: Diagnostic) {
+    /// A problem met in a library function is shown where the user's program called it.
+    fn error(&mut self, mut diagnostic: Diagnostic) {
+        let place = diagnostic.primary.0;
+        if let Some(called) = self.called.filter(|called| place.source != USER && called.source == USER) {
+            diagnostic.primary.0 = called;
+            diagnostic.secondary.push((place, "met here, in the library".into()));
+        }
         if !self.errors.iter().any(|e| e.code == diagnostic.code && e.primary.0 == diagnostic.primary.0) {
             self.errors.push(diagnostic);
         }

@@ -10,6 +10,9 @@ use crate::lexer::Lexeme;
 /// Syntax errors fewer lexemes apart than this are one error.
 const SEPARATION: usize = 3;
 
+/// Label of an error that is mended before the rest is parsed.
+const MISSING_SEMICOLON: &str = "`;` is missing after this";
+
 const KEYWORDS: &[&str] = &[
     "use", "const", "param", "raster", "fn", "struct", "enum", "type", "let", "if", "else", "match", "with",
     "in", "true", "false",
@@ -47,6 +50,10 @@ const COVERED: &[(&str, &[&str])] = &[
 
 impl Context {
     pub(super) fn syntax_error(&mut self, error: ParseError<usize, Lexeme, ()>) {
+        let found_at = match &error {
+            ParseError::UnrecognizedToken { token: (start, _, _), .. } => *start,
+            _ => self.text_end,
+        };
         let diagnostic = match error {
             ParseError::UnrecognizedToken { token: (start, lexeme, end), expected } => {
                 self.unexpected(start, end, Some(lexeme), &expected)
@@ -74,9 +81,14 @@ impl Context {
         let place = self.ends.partition_point(|&end| end <= diagnostic.primary.0.start as usize);
         let near = self.errors_at.iter().any(|&other| place.abs_diff(other) < SEPARATION);
         self.errors_at.push(place);
-        if !near {
-            self.report(diagnostic);
+        if near {
+            return;
         }
+        if diagnostic.primary.1 == MISSING_SEMICOLON && self.diagnostics.is_empty() && self.missing.is_none()
+        {
+            self.missing = Some((found_at, diagnostic.clone()));
+        }
+        self.report(diagnostic);
     }
 
     fn unexpected(&self, start: usize, end: usize, found: Option<Lexeme>, expected: &[String]) -> Diagnostic {
@@ -88,7 +100,7 @@ impl Context {
         {
             let at = self.span(before.saturating_sub(1), before);
             return Diagnostic::error(codes::SYNTAX, at, format!("expected `;`, found {found_text}"))
-                .label("`;` is missing after this")
+                .label(MISSING_SEMICOLON)
                 .help("items and `let` end with `;`");
         }
         let title = match names.as_slice() {

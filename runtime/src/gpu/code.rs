@@ -12,7 +12,7 @@ pub struct Code {
     pub arities: Vec<u32>,
     /// The most tokens that one rewrite emits.
     pub longest_emission: u32,
-    /// The source function of each task, for messages.
+    /// The source function of each task, for messages; then the entry's, to blame where no task is known.
     pub names: Vec<String>,
     /// WGSL of the scene: declarations of group 1 and intrinsics.
     pub prelude: String,
@@ -27,6 +27,6 @@ impl Code {
     }
 
     pub fn name(&self, task: u32) -> &str {
-        self.names.get(task as usize).map_or("the program", String::as_str)
+        self.names.get(task as usize).or(self.names.last()).map_or("the program", String::as_str)
     }
 }

@@ -35,23 +35,23 @@ impl Format {
 /// The file's bytes.
 pub fn encode(image: &Image, format: Format) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (image.width, image.height);
+    let filled = (image.components == 2 && format != Format::Npy).then(|| with_blue(image));
+    let image = filled.as_ref().unwrap_or(image);
     let mut bytes = Vec::new();
     match format {
         Format::Npy => bytes = npy::encode(image),
         Format::Png => {
-            let color = [
-                ExtendedColorType::L8,
-                ExtendedColorType::La8,
-                ExtendedColorType::Rgb8,
-                ExtendedColorType::Rgba8,
-            ];
-            let color = color[image.components as usize - 1];
+            let color = match image.components {
+                1 => ExtendedColorType::L8,
+                3 => ExtendedColorType::Rgb8,
+                _ => ExtendedColorType::Rgba8,
+            };
             let encoder = codecs::png::PngEncoder::new(&mut bytes);
             encoder.write_image(&eight_bit(&image.data), width, height, color)?;
         }
         Format::Jpeg => {
             let (data, color) = match image.components {
-                1 | 2 => (select(image, &[0]), ExtendedColorType::L8),
+                1 => (select(image, &[0]), ExtendedColorType::L8),
                 _ => (select(image, &[0, 1, 2]), ExtendedColorType::Rgb8),
             };
             let encoder = codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
@@ -61,7 +61,6 @@ pub fn encode(image: &Image, format: Format) -> Result<Vec<u8>, ImageError> {
             // The encoder knows colours only.
             let (channels, color): (&[usize], _) = match image.components {
                 1 => (&[0, 0, 0], ExtendedColorType::Rgb32F),
-                2 => (&[0, 0, 0, 1], ExtendedColorType::Rgba32F),
                 3 => (&[0, 1, 2], ExtendedColorType::Rgb32F),
                 _ => (&[0, 1, 2, 3], ExtendedColorType::Rgba32F),
             };
@@ -71,6 +70,12 @@ pub fn encode(image: &Image, format: Format) -> Result<Vec<u8>, ImageError> {
         }
     }
     Ok(bytes)
+}
+
+/// Two components are red and green; picture formats want blue too.
+fn with_blue(image: &Image) -> Image {
+    let data = image.data.chunks_exact(2).flat_map(|pixel| [pixel[0], pixel[1], 0.0]).collect();
+    Image { components: 3, data, ..*image }
 }
 
 /// The named components of every pixel.
@@ -95,7 +100,7 @@ mod tests {
 
     #[test]
     fn png_is_clamped_and_kept_in_order() {
-        for components in 1..=4 {
+        for components in [1, 3, 4] {
             let image = gradient(components);
             let bytes = encode(&image, Format::Png).unwrap();
             let read = image::load_from_memory(&bytes).unwrap();
@@ -103,6 +108,8 @@ mod tests {
             assert_eq!(u32::from(read.color().channel_count()), components);
             assert_eq!(read.as_bytes(), eight_bit(&image.data));
         }
+        let two = image::load_from_memory(&encode(&gradient(2), Format::Png).unwrap()).unwrap();
+        assert_eq!(two.as_bytes(), eight_bit(&with_blue(&gradient(2)).data));
         assert_eq!(eight_bit(&[-1.0, 0.5, 2.0, f32::NAN]), [0, 128, 255, 0]);
     }
 

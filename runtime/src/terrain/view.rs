@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::str::FromStr;
 
 /// Vertical field of view of the named views, in degrees.
-const NAMED_FOV: f64 = 35.0;
+pub const NAMED_FOV: f64 = 35.0;
 /// Part of the picture that a framed field may fill.
 const FRAME: f64 = 0.94;
 
@@ -58,8 +58,9 @@ impl FromStr for NamedView {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// `ortho` makes any named view orthographic; `topdown` always is.
-    Named { view: NamedView, ortho: bool },
+    /// `ortho` makes any named view orthographic; `topdown` always is. `fov` is vertical, in degrees; the camera stands
+    /// where the field fills it.
+    Named { view: NamedView, fov: f64, ortho: bool },
     /// World metres; `fov` is vertical, in degrees. With `ortho` the picture is as high as the field of view is at the
     /// target.
     LookAt { eye: [f64; 3], target: [f64; 3], up: [f64; 3], fov: f64, ortho: bool },
@@ -67,11 +68,11 @@ pub enum View {
 
 impl View {
     pub fn overview() -> View {
-        View::Named { view: NamedView::Overview, ortho: false }
+        View::Named { view: NamedView::Overview, fov: NAMED_FOV, ortho: false }
     }
 
     pub fn topdown() -> View {
-        View::Named { view: NamedView::Topdown, ortho: true }
+        View::Named { view: NamedView::Topdown, fov: NAMED_FOV, ortho: true }
     }
 }
 
@@ -106,9 +107,10 @@ impl Camera {
             return Err(SceneError::EmptyPicture);
         }
         match view {
-            View::Named { view, ortho } => {
+            View::Named { view, fov, ortho } => {
+                check_fov(*fov)?;
                 let points = outline(terrain, exaggerate);
-                Ok(frame(*view, *ortho || *view == NamedView::Topdown, &points, size))
+                Ok(frame(*view, *fov, *ortho || *view == NamedView::Topdown, &points, size))
             }
             View::LookAt { eye, target, up, fov, ortho } => look_at(*eye, *target, *up, *fov, *ortho, size),
         }
@@ -143,9 +145,7 @@ fn look_at(
     if all.into_iter().any(|x| !x.is_finite()) {
         return Err(SceneError::NotFinite);
     }
-    if !(fov > 0.0 && fov < 180.0) {
-        return Err(SceneError::FieldOfView(fov));
-    }
+    check_fov(fov)?;
     let (eye, target) = (DVec3::from(eye), DVec3::from(target));
     let sight = target - eye;
     let forward = sight.try_normalize().ok_or(SceneError::SamePlace)?;
@@ -163,6 +163,10 @@ fn look_at(
         middle: middle(size),
         orthographic,
     })
+}
+
+fn check_fov(fov: f64) -> Result<(), SceneError> {
+    if fov > 0.0 && fov < 180.0 { Ok(()) } else { Err(SceneError::FieldOfView(fov)) }
 }
 
 fn middle(size: (u32, u32)) -> [f64; 2] {
@@ -192,7 +196,7 @@ fn outline(terrain: &Terrain, exaggerate: f64) -> Vec<DVec3> {
 }
 
 /// The nearest camera in the view's direction that sees all points.
-fn frame(view: NamedView, orthographic: bool, points: &[DVec3], size: (u32, u32)) -> Camera {
+fn frame(view: NamedView, fov: f64, orthographic: bool, points: &[DVec3], size: (u32, u32)) -> Camera {
     let (azimuth, dip) = view.direction();
     let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
     let (sin_d, cos_d) = dip.to_radians().sin_cos();
@@ -202,7 +206,7 @@ fn frame(view: NamedView, orthographic: bool, points: &[DVec3], size: (u32, u32)
     let right = DVec3::new(cos_a, -sin_a, 0.0);
     let up = right.cross(forward);
 
-    let tan_y = (NAMED_FOV.to_radians() / 2.0).tan();
+    let tan_y = (fov.to_radians() / 2.0).tan();
     let tan_x = tan_y * f64::from(size.0) / f64::from(size.1);
     let (fit_x, fit_y) = (tan_x * FRAME, tan_y * FRAME);
     let local = |p: &DVec3| (p.dot(right), p.dot(up), p.dot(forward));
@@ -275,8 +279,8 @@ mod tests {
             let terrain = Terrain::from_heights(w, h, [dx, dy], heights).unwrap();
             for (name, view) in NamedView::ALL {
                 for (ortho, size) in [(false, (640, 480)), (true, (100, 900))] {
-                    let camera =
-                        Camera::new(&View::Named { view: *view, ortho }, &terrain, 1.0, size).unwrap();
+                    let view = View::Named { view: *view, fov: if ortho { NAMED_FOV } else { 70.0 }, ortho };
+                    let camera = Camera::new(&view, &terrain, 1.0, size).unwrap();
                     for p in outline(&terrain, 1.0) {
                         let (x, y) = project(&camera, p);
                         let inside =

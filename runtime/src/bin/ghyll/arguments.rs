@@ -132,12 +132,9 @@ pub struct Run {
     pub args: Vec<String>,
 }
 
-/// Elevation data.
+/// How an elevation file is read.
 #[derive(Args)]
-pub struct Terrain {
-    /// Elevation data: GeoTIFF, .hgt, 16-bit PNG, .npy or raw f32; the built-in Mt Fuji if absent.
-    #[arg(long, value_name = "FILE")]
-    pub dem: Option<PathBuf>,
+pub struct Reading {
     /// Distance of samples in metres, east-west and north-south.
     #[arg(long, value_name = "DX[,DY]", value_parser = spacing)]
     pub spacing: Option<[f64; 2]>,
@@ -150,8 +147,19 @@ pub struct Terrain {
     /// What missing samples are: holes, or filled from their neighbours.
     #[arg(long, value_name = "KIND", value_parser = ["hole", "fill"], default_value = "hole")]
     pub voids: String,
+}
+
+/// Elevation data.
+#[derive(Args)]
+pub struct Terrain {
+    /// Elevation data: GeoTIFF, .hgt, .asc, .bil, PNG, PGM, .npy or raw .f32, also as .gz or .zip; the built-in Mt Fuji
+    /// if absent.
+    #[arg(long, value_name = "FILE")]
+    pub dem: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
     /// Factor on all heights.
-    #[arg(long, value_name = "K", default_value_t = 1.0)]
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_hyphen_values = true)]
     pub exaggerate: f64,
 }
 
@@ -190,7 +198,7 @@ pub struct Render {
     #[arg(long)]
     pub ortho: bool,
     /// Direction of the sun in degrees: azimuth clockwise from north, elevation above the horizon.
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = sun, allow_hyphen_values = true)]
     pub sun: Option<[f64; 2]>,
 }
 
@@ -233,19 +241,9 @@ pub struct Info {
     /// Elevation file; without one the adapters are listed.
     pub dem: Option<PathBuf>,
     #[command(flatten)]
-    pub terrain: InfoTerrain,
+    pub reading: Reading,
     #[arg(long)]
     pub json: bool,
-}
-
-#[derive(Args)]
-pub struct InfoTerrain {
-    /// Distance of samples in metres, east-west and north-south.
-    #[arg(long, value_name = "DX[,DY]", value_parser = spacing)]
-    pub spacing: Option<[f64; 2]>,
-    /// What black and white mean in metres, for an image without units.
-    #[arg(long, value_name = "LO,HI", value_parser = pair, allow_hyphen_values = true)]
-    pub heights: Option<[f64; 2]>,
 }
 
 #[derive(Args)]
@@ -297,6 +295,15 @@ fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
 
 fn pair(text: &str) -> Result<[f64; 2], String> {
     numbers(text, "two numbers with a comma between")
+}
+
+fn sun(text: &str) -> Result<[f64; 2], String> {
+    let [azimuth, elevation] = pair(text)?;
+    if elevation.abs() <= 90.0 {
+        Ok([azimuth, elevation])
+    } else {
+        Err("elevation must lie between -90 and 90".into())
+    }
 }
 
 fn triple(text: &str) -> Result<[f64; 3], String> {

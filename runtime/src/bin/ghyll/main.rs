@@ -11,6 +11,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    quiet_without_a_display();
     let arguments = Arguments::parse_from(arguments::prepared(std::env::args_os()));
     let outcome = match &arguments.command {
         Command::Run(a) => commands::run::run(a),
@@ -24,5 +25,17 @@ fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.tell(),
+    }
+}
+
+/// Mesa's layer for choosing a device asks the Wayland display, and complains on standard error where there is no session.
+/// Ghyll opens no window and ranks the adapters itself, so without a session the layer is left out.
+fn quiet_without_a_display() {
+    if cfg!(target_os = "linux") && std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: this is the first statement of the process; no other thread can read the environment meanwhile.
+        #[allow(unsafe_code)]
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
     }
 }

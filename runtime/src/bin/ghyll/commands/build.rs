@@ -9,21 +9,24 @@ pub fn build(arguments: &Build) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, None)?;
     let back = &compiled.back;
+    let mut shown = Vec::new();
     for form in &arguments.emit {
         let text = match form.as_str() {
             "core" => core::print::program(&back.core),
             "table" => table::print::table(&back.table),
             "wgsl" => back.wgsl.text.clone(),
             _ => {
-                let args = super::run::arguments(&checked, &compiled, &arguments.args)?;
+                let args =
+                    super::run::arguments(&checked, &compiled, &arguments.args, arguments.program.json)?;
                 let words = super::run::constants(&checked, &compiled, &args)?;
                 stream::print(&back.table, &stream::initial(&back.table, back.entry, &words))
             }
         };
         if arguments.emit.len() > 1 {
-            println!("// {form}");
+            shown.push(format!("// {form}"));
         }
-        println!("{}", text.trim_end());
+        shown.push(text.trim_end().to_owned());
     }
+    println!("{}", shown.join("\n"));
     Ok(())
 }

@@ -4,19 +4,14 @@ use super::scene;
 use crate::arguments::Info;
 use crate::failure::Failure;
 use ghyll_runtime::gpu::Gpu;
-use ghyll_runtime::terrain::{DemOptions, Terrain};
+use ghyll_runtime::terrain::Terrain;
 use serde_json::json;
 
 pub fn info(arguments: &Info) -> Result<(), Failure> {
     let Some(path) = &arguments.dem else {
         return adapters(arguments.json);
     };
-    let options = DemOptions {
-        spacing: arguments.terrain.spacing,
-        heights: arguments.terrain.heights,
-        ..DemOptions::default()
-    };
-    let terrain = scene::open(Some(path), &options)?;
+    let terrain = scene::open(Some(path), &arguments.reading)?;
     if arguments.json {
         println!("{}", described(&terrain));
         return Ok(());

@@ -12,10 +12,14 @@ pub mod trace;
 
 use crate::arguments;
 use crate::failure::{self, Failure};
+use ghyll_compiler::argument::parse_arguments;
 use ghyll_compiler::compile::{self, CompileError, Compiled, EntryKind, Options};
 use ghyll_compiler::diagnostic::Report;
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::source::Source;
+use ghyll_compiler::typed::{Expr, Local};
+use ghyll_runtime::machine::evaluate_argument;
+use ghyll_runtime::value::Value;
 use std::path::Path;
 
 /// Longest program text that is read.
@@ -68,9 +72,34 @@ fn compiled(
         CompileError::Program(report) => Failure::Diagnostics { report, json: program.json },
         CompileError::Request(message) => Failure::Usage(message),
     })?;
+    options.set.iter().try_for_each(|(name, text)| in_range(checked, name, text))?;
     if !program.json && !compiled.warnings.is_empty() {
         let diagnostics = compiled.warnings.clone();
         failure::show(&Report { sources: checked.sources.clone(), diagnostics }, false);
     }
     Ok(compiled)
+}
+
+/// Refuses a computed value outside the range that its parameter states; the compiler has looked at plain numbers.
+fn in_range(checked: &Checked, name: &str, text: &str) -> Result<(), Failure> {
+    let Some(param) = checked.module.params.iter().find(|p| p.name == name) else { return Ok(()) };
+    let Some((lo, hi)) = &param.range else { return Ok(()) };
+    let value = parse_arguments(&checked.module, text, &param.ty)
+        .map_err(|report| Failure::Diagnostics { report, json: false })?;
+    let number = |expr: &Expr, locals: &[Local]| {
+        let value =
+            evaluate_argument(checked, expr.clone(), locals.to_vec(), &param.ty).map_err(Failure::run)?;
+        Ok(match value {
+            Value::I32(i) => f64::from(i),
+            Value::U32(u) => f64::from(u),
+            Value::F32(x) => x,
+            _ => f64::NAN,
+        })
+    };
+    let (lo, hi) = (number(lo, &param.locals)?, number(hi, &param.locals)?);
+    let value = number(&value.expr, &value.locals)?;
+    if (lo..=hi).contains(&value) {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!("parameter `{name}` must lie in {lo}..{hi}, not {value}")))
 }

@@ -8,13 +8,32 @@ use ghyll_compiler::compile::EntryKind;
 use ghyll_compiler::source::Source;
 use ghyll_runtime::image;
 use ghyll_runtime::machine::Job;
+use std::path::Path;
 
 /// What `ghyll render` shows without a file.
 const EXAMPLE: &str = include_str!("../../../../../lang-examples/fuji.ghyll");
 
+/// A picture that cannot be written is known before it is computed.
+fn writable(output: &Path) -> Result<(), Failure> {
+    image::Format::of(output).map_err(|e| Failure::Usage(e.to_string()))?;
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        return Err(Failure::Usage(format!(
+            "cannot write {}: its folder does not exist; make it first",
+            output.display()
+        )));
+    }
+    if output.is_dir() {
+        return Err(Failure::Usage(format!(
+            "cannot write {}: it is a folder; name a file in it",
+            output.display()
+        )));
+    }
+    Ok(())
+}
+
 pub fn render(arguments: &Render) -> Result<(), Failure> {
-    // A picture that cannot be written is known before it is computed.
-    image::Format::of(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
+    writable(&arguments.output)?;
 
     let source = match &arguments.file {
         Some(path) => read(path)?,
@@ -32,7 +51,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let outcome = job.render(&machine, (width, height), &config);
     progress.finish();
     let (picture, stats) = outcome.map_err(Failure::run)?;
-    picture.save(&arguments.output).map_err(|e| Failure::Input(e.to_string()))?;
+    picture.save(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
     eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
     report::stats(&arguments.machine, &machine, &stats);
     Ok(())

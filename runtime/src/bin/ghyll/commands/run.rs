@@ -7,6 +7,7 @@ use crate::report;
 use ghyll_compiler::argument::parse_arguments;
 use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::core::Const;
+use ghyll_compiler::diagnostic::Report;
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::machine::{Job, evaluate_argument};
 use ghyll_runtime::value::Value;
@@ -15,7 +16,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let json = arguments.program.json;
     let checked = checked(read(&arguments.file)?, json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Value))?;
-    let args = self::arguments(&checked, &compiled, &arguments.args)?;
+    let args = self::arguments(&checked, &compiled, &arguments.args, json)?;
     let scene = match compiled.back.wgsl.intrinsics.is_empty() {
         true => None,
         false => Some(scene::of_terrain(&arguments.terrain)?),
@@ -33,7 +34,12 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
 }
 
 /// Values of the entry's arguments, from Ghyll expressions.
-pub fn arguments(checked: &Checked, compiled: &Compiled, texts: &[String]) -> Result<Vec<Value>, Failure> {
+pub fn arguments(
+    checked: &Checked,
+    compiled: &Compiled,
+    texts: &[String],
+    json: bool,
+) -> Result<Vec<Value>, Failure> {
     if texts.len() != compiled.params.len() {
         let name = &checked.module.functions[compiled.entry.0 as usize].name;
         let wanted = compiled.params.len();
@@ -44,9 +50,11 @@ pub fn arguments(checked: &Checked, compiled: &Compiled, texts: &[String]) -> Re
         )));
     }
     let mut values = Vec::new();
-    for (text, ty) in texts.iter().zip(&compiled.params) {
-        let argument = parse_arguments(&checked.module, text, ty)
-            .map_err(|report| Failure::Diagnostics { report, json: false })?;
+    for (at, (text, ty)) in texts.iter().zip(&compiled.params).enumerate() {
+        let argument = parse_arguments(&checked.module, text, ty).map_err(|report| {
+            let sources = report.sources.named(&format!("argument {}", at + 1));
+            Failure::Diagnostics { report: Report { sources, ..report }, json }
+        })?;
         let value = evaluate_argument(checked, argument.expr, argument.locals, ty).map_err(Failure::run)?;
         values.push(value);
     }

@@ -1,32 +1,46 @@
 //! The scene, from arguments.
 
-use crate::arguments::{Render, Terrain as TerrainArguments};
+use crate::arguments::{Reading, Render, Terrain as TerrainArguments};
 use crate::failure::Failure;
 use ghyll_runtime::terrain::{
-    DemOptions, Encoding, NamedView, Scene, SceneOptions, Sun, Terrain, View, Voids,
+    DemOptions, Encoding, NAMED_FOV, NamedView, Scene, SceneOptions, Sun, Terrain, View, Voids,
 };
 use std::path::Path;
 use std::sync::Arc;
 
 /// Reads the elevation data, or takes the built-in field.
 pub fn terrain(arguments: &TerrainArguments) -> Result<Terrain, Failure> {
-    let options = DemOptions {
-        spacing: arguments.spacing,
-        heights: arguments.heights,
-        encoding: arguments.encoding.as_deref().and_then(encoding),
-        voids: if arguments.voids == "fill" { Voids::Fill } else { Voids::Hole },
-    };
-    open(arguments.dem.as_deref(), &options)
+    open(arguments.dem.as_deref(), &arguments.reading)
 }
 
 fn encoding(name: &str) -> Option<Encoding> {
     Encoding::ALL.iter().find(|(known, _)| *known == name).map(|(_, encoding)| *encoding)
 }
 
-pub fn open(path: Option<&Path>, options: &DemOptions) -> Result<Terrain, Failure> {
-    match path {
-        Some(path) => Terrain::open(path, options).map_err(|e| Failure::Input(e.to_string())),
-        None => Ok(Terrain::builtin()),
+pub fn open(path: Option<&Path>, reading: &Reading) -> Result<Terrain, Failure> {
+    let Some(path) = path else { return Ok(Terrain::builtin()) };
+    let options = DemOptions {
+        spacing: reading.spacing,
+        heights: reading.heights,
+        encoding: reading.encoding.as_deref().and_then(encoding),
+        voids: if reading.voids == "fill" { Voids::Fill } else { Voids::Hole },
+    };
+    let terrain = Terrain::open(path, &options).map_err(|e| Failure::Input(e.to_string()))?;
+    note_assumptions(&path.display(), &terrain, reading);
+    Ok(terrain)
+}
+
+/// Says what was assumed because the file does not state it.
+fn note_assumptions(file: &dyn std::fmt::Display, terrain: &Terrain, reading: &Reading) {
+    if reading.spacing.is_none() && terrain.crs.is_none() && terrain.spacing == [1.0, 1.0] {
+        eprintln!(
+            "{file} does not say how far apart its samples are; 1 m is assumed, --spacing DX,DY sets it"
+        );
+    }
+    if reading.heights.is_none() && terrain.format.ends_with("grey") {
+        eprintln!(
+            "{file} has no units; its numbers are taken for metres, --heights LO,HI says what black and white are"
+        );
     }
 }
 
@@ -37,13 +51,16 @@ pub fn of_terrain(arguments: &TerrainArguments) -> Result<Scene, Failure> {
 }
 
 pub fn of_render(arguments: &Render) -> Result<Scene, Failure> {
-    let fov = arguments.fov.unwrap_or(45.0);
     let view = match (arguments.eye, arguments.look_at) {
         (Some(eye), Some(target)) => {
             let up = arguments.up.unwrap_or([0.0, 0.0, 1.0]);
+            let fov = arguments.fov.unwrap_or(45.0);
             View::LookAt { eye, target, up, fov, ortho: arguments.ortho }
         }
-        _ => View::Named { view: named(&arguments.view)?, ortho: arguments.ortho },
+        _ => {
+            let fov = arguments.fov.unwrap_or(NAMED_FOV);
+            View::Named { view: named(&arguments.view)?, fov, ortho: arguments.ortho }
+        }
     };
     let sun = match arguments.sun {
         Some([azimuth, elevation]) => Sun { azimuth, elevation },

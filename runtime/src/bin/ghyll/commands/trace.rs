@@ -13,7 +13,7 @@ const FUEL: u64 = 1 << 30;
 pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Value))?;
-    let args = super::run::arguments(&checked, &compiled, &arguments.args)?;
+    let args = super::run::arguments(&checked, &compiled, &arguments.args, arguments.program.json)?;
     let words = super::run::constants(&checked, &compiled, &args)?;
     let back = &compiled.back;
     let first = stream::initial(&back.table, back.entry, &words);

@@ -97,7 +97,7 @@ impl Variant<'_> {
     }
 
     fn args(&self) -> Result<Vec<GhyllValue>, Failure> {
-        crate::commands::run::arguments(self.checked, self.compiled, &self.definition.args)
+        crate::commands::run::arguments(self.checked, self.compiled, &self.definition.args, false)
     }
 
     /// The paper's algorithm where blocks are measured, else what the rewriter chooses.

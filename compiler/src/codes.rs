@@ -29,6 +29,7 @@ codes! {
     UNSTATED_TYPE "E0114" "a top-level function without stated types";
     MISPLACED_REST "E0115" "`..` that is not the last field of a pattern";
     TOO_LONG "E0116" "a source text that is too long";
+    TOO_MANY "E0117" "more errors than are shown";
 
     DUPLICATE "E0201" "two definitions of one name";
     UNKNOWN_NAME "E0202" "a name that nothing defines";

@@ -19,6 +19,9 @@ use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
 /// Trees are bounded but may be deep; this is ample for the deepest.
 const STACK: usize = 256 << 20;
 
+/// More diagnostics help nobody, and each costs time to show.
+const MAX_DIAGNOSTICS: usize = 100;
+
 /// A program without errors.
 #[derive(Clone, Debug)]
 pub struct Checked {
@@ -142,10 +145,21 @@ fn number(e: &typed::Expr) -> Option<f64> {
     }
 }
 
-/// In the order of the text, the user's first; each once.
+/// In the order of the text, the user's first; each once. Far too many are cut off, which is the last error then.
 fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.sort_by_key(|d| (d.primary.0.source, d.primary.0.start, d.primary.0.end, d.code));
     diagnostics.dedup_by(|a, b| a.code == b.code && a.primary.0 == b.primary.0 && a.title == b.title);
+    let more = diagnostics.len().saturating_sub(MAX_DIAGNOSTICS);
+    if let Some(next) = diagnostics.get(MAX_DIAGNOSTICS).filter(|_| more > 0).map(|d| d.primary.0) {
+        let hidden = diagnostics.split_off(MAX_DIAGNOSTICS);
+        let title = format!("there are {more} more errors and warnings from here on");
+        // Warnings alone do not refuse a program.
+        let last = match hidden.iter().any(|d| d.severity == Severity::Error) {
+            true => Diagnostic::error(codes::TOO_MANY, next, title),
+            false => Diagnostic::warning(codes::TOO_MANY, next, title),
+        };
+        diagnostics.push(last.help("mend the ones above first"));
+    }
     diagnostics
 }
 

@@ -4,6 +4,8 @@
 mod chain;
 mod errors;
 
+use std::collections::BTreeSet;
+
 use lalrpop_util::{ErrorRecovery, lalrpop_mod};
 
 use crate::ast::*;
@@ -106,7 +108,7 @@ pub struct Context {
     diagnostics: Vec<Diagnostic>,
     too_deep: bool,
     /// Indices of the lexemes where something was wrong.
-    errors_at: Vec<usize>,
+    errors_at: BTreeSet<usize>,
     /// A semicolon is missing before this place, the first syntax error.
     missing: Option<(usize, Diagnostic)>,
 }

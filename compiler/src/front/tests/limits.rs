@@ -40,6 +40,18 @@ fn types_that_grow() {
 }
 
 #[test]
+fn more_errors_than_anybody_reads() {
+    let started = std::time::Instant::now();
+    for piece in [") ", "if a { z } el ", "fn f() -> i32 = x;\n", "let 1;\n", "f(|x| ", "/ "] {
+        let codes = codes_of(&piece.repeat((1 << 18) / piece.len()));
+        assert!(codes.len() <= 101, "{} errors for {piece}", codes.len());
+    }
+    let codes = codes_of(&"fn f() -> i32 = x;\n".repeat(300));
+    assert_eq!((codes.len(), codes.last()), (101, Some(&TOO_MANY)));
+    assert!(started.elapsed().as_secs() < 60, "{:?}", started.elapsed());
+}
+
+#[test]
 fn many_of_everything() {
     let lets: String = (0..3_000).map(|i| format!("let a{i} = abs({i});")).collect();
     accepts(&of_type("i32", &format!("{{ {lets} a2999 }}")));

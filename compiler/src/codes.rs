@@ -76,6 +76,7 @@ codes! {
     EMPTY_ITEM "E0509" "a struct or enum without anything in it";
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
+    MANY_WARNINGS "W0602" "more warnings than are shown";
 
     FILE_MODULE "E0907" "modules in files are not supported yet";
 }

@@ -29,6 +29,7 @@ codes! {
     UNSTATED_TYPE "E0114" "a top-level function without stated types";
     MISPLACED_REST "E0115" "`..` that is not the last field of a pattern";
     TOO_LONG "E0116" "a source text that is too long";
+    TOO_MANY "E0117" "more errors than are shown";
 
     DUPLICATE "E0201" "two definitions of one name";
     UNKNOWN_NAME "E0202" "a name that nothing defines";
@@ -75,6 +76,7 @@ codes! {
     EMPTY_ITEM "E0509" "a struct or enum without anything in it";
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
+    MANY_WARNINGS "W0602" "more warnings than are shown";
 
     FILE_MODULE "E0907" "modules in files are not supported yet";
 }

@@ -19,6 +19,9 @@ use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
 /// Trees are bounded but may be deep; this is ample for the deepest.
 const STACK: usize = 256 << 20;
 
+/// More diagnostics help nobody, and each costs time to show.
+pub(crate) const MAX_DIAGNOSTICS: usize = 100;
+
 /// A program without errors.
 #[derive(Clone, Debug)]
 pub struct Checked {
@@ -87,7 +90,16 @@ fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
                 .map(|(lo, hi)| [lo, hi].map(|end| env.expression(*file, end, Some(stated))));
             defaults.push((default, range));
         }
-        bodies.extend((0..functions.len()).map(|i| env.function(i)));
+        let mut wrong = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+        for i in 0..functions.len() {
+            // The rest would not be shown, and a program with errors goes no further.
+            if wrong > MAX_DIAGNOSTICS {
+                break;
+            }
+            let body = env.function(i);
+            wrong += body.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+            bodies.push(body);
+        }
     }
     let mut module = module;
     let mut keep = |body: Body| {
@@ -142,10 +154,20 @@ fn number(e: &typed::Expr) -> Option<f64> {
     }
 }
 
-/// In the order of the text, the user's first; each once.
+/// In the order of the text, the user's first; each once. Far too many are cut off, which is the last error then.
 fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.sort_by_key(|d| (d.primary.0.source, d.primary.0.start, d.primary.0.end, d.code));
     diagnostics.dedup_by(|a, b| a.code == b.code && a.primary.0 == b.primary.0 && a.title == b.title);
+    if let Some(next) = diagnostics.get(MAX_DIAGNOSTICS).map(|d| d.primary.0) {
+        let hidden = diagnostics.split_off(MAX_DIAGNOSTICS);
+        let title = "there are more errors or warnings from here on";
+        // Warnings alone do not refuse a program.
+        let last = match hidden.iter().any(|d| d.severity == Severity::Error) {
+            true => Diagnostic::error(codes::TOO_MANY, next, title),
+            false => Diagnostic::warning(codes::MANY_WARNINGS, next, title),
+        };
+        diagnostics.push(last.help("mend the ones above first"));
+    }
     diagnostics
 }
 

@@ -4,6 +4,8 @@
 mod chain;
 mod errors;
 
+use std::collections::BTreeSet;
+
 use lalrpop_util::{ErrorRecovery, lalrpop_mod};
 
 use crate::ast::*;
@@ -90,8 +92,21 @@ fn parse<T>(source: SourceId, text: &str, run: impl Fn(&mut Context, &[Spanned])
         all.extend(repairs);
         all.extend(cx.diagnostics);
     }
+    for diagnostic in &mut all {
+        whole_characters(text, &mut diagnostic.primary.0);
+    }
     all.sort_by_key(|d| d.primary.0.start);
     Parsed { tree, diagnostics: all }
+}
+
+/// A place one byte before a lexeme may lie within a character that the language does not use.
+fn whole_characters(text: &str, span: &mut Span) {
+    while !text.is_char_boundary(span.start as usize) {
+        span.start -= 1;
+    }
+    while !text.is_char_boundary(span.end as usize) {
+        span.end += 1;
+    }
 }
 
 type Spanned<'s> = (usize, Lexeme<'s>, usize);
@@ -106,7 +121,7 @@ pub struct Context {
     diagnostics: Vec<Diagnostic>,
     too_deep: bool,
     /// Indices of the lexemes where something was wrong.
-    errors_at: Vec<usize>,
+    errors_at: BTreeSet<usize>,
     /// A semicolon is missing before this place, the first syntax error.
     missing: Option<(usize, Diagnostic)>,
 }

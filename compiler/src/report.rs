@@ -12,7 +12,9 @@ pub fn render(report: &Report, color: bool) -> String {
     let mut text = Vec::new();
     for diagnostic in &report.diagnostics {
         let before = text.len();
-        if drawing(&report.sources, diagnostic, color).write(&mut cache, &mut text).is_err() {
+        let drawn = drawable(&report.sources, diagnostic)
+            && drawing(&report.sources, diagnostic, color).write(&mut cache, &mut text).is_ok();
+        if !drawn {
             text.truncate(before);
             text.extend(plain(&report.sources, diagnostic).bytes());
         }
@@ -51,7 +53,23 @@ fn drawing<'a>(sources: &Sources, diagnostic: &'a Diagnostic, color: bool) -> ar
     report.finish()
 }
 
-/// One line, should the drawing fail.
+/// Lines longer than this are no help on a terminal, and slow to draw.
+const LONGEST_LINE: usize = 4 << 10;
+
+fn drawable(sources: &Sources, diagnostic: &Diagnostic) -> bool {
+    let short = |span: &Span| {
+        let text = sources.get(span.source).text.as_bytes();
+        [span.start, span.end].into_iter().all(|at| {
+            let (before, behind) = text.split_at((at as usize).min(text.len()));
+            let to_start = before.iter().rev().take(LONGEST_LINE).take_while(|b| **b != b'\n').count();
+            let to_end = behind.iter().take(LONGEST_LINE).take_while(|b| **b != b'\n').count();
+            to_start + to_end < LONGEST_LINE
+        })
+    };
+    short(&diagnostic.primary.0) && diagnostic.secondary.iter().all(|(span, _)| short(span))
+}
+
+/// One line, should the drawing fail or not be worth it.
 fn plain(sources: &Sources, diagnostic: &Diagnostic) -> String {
     let source = sources.get(diagnostic.primary.0.source);
     let (line, column) = position(source, diagnostic.primary.0.start);
@@ -127,6 +145,16 @@ mod tests {
         }
         assert!(!text.contains('\u{1b}'));
         assert!(render(&report(), true).contains('\u{1b}'));
+    }
+
+    #[test]
+    fn what_stands_in_a_huge_line_is_told_without_it() {
+        let mut sources = Sources::default();
+        let id = sources.add(Source::new("a.ghyll", format!("\n{}x", " ".repeat(1 << 20))));
+        let at = Span::new(id, 1 << 20, (1 << 20) + 1);
+        let diagnostics = vec![Diagnostic::error(codes::SYNTAX, at, "not expected")];
+        let text = render(&Report { sources, diagnostics }, false);
+        assert_eq!(text, "a.ghyll:2:1048576: E0104: not expected\n");
     }
 
     #[test]

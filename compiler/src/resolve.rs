@@ -10,11 +10,19 @@ pub mod types;
 
 use std::cmp::Reverse;
 
+/// Longer names are not compared.
+const LONGEST: usize = 64;
+
 /// The name among `known` that was probably meant.
 pub fn similar<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    // Two names of this length are too much to compare, and no slips of the pen.
+    if name.len() > LONGEST {
+        return None;
+    }
     let limit = 1 + name.len() / 4;
     known
         .filter(|candidate| *candidate != name && !candidate.starts_with("__"))
+        .filter(|candidate| candidate.len().abs_diff(name.len()) <= limit)
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .filter(|(distance, candidate)| *distance <= limit && *distance < candidate.len())
         .min_by_key(|(distance, candidate)| (*distance, Reverse(common_prefix(name, candidate)), *candidate))

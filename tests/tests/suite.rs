@@ -54,7 +54,8 @@ fn codes_without_a_case(cases: &[Case]) -> Vec<&'static str> {
         let mut all = cases.iter().flat_map(|case| &case.expectations);
         all.any(|e| matches!(e, Expectation::Diagnostic(d) if d.code == code))
     };
-    let beyond = [codes::TOO_LONG, codes::TOO_COMPLEX, codes::FILE_MODULE];
+    let beyond =
+        [codes::TOO_LONG, codes::TOO_MANY, codes::MANY_WARNINGS, codes::TOO_COMPLEX, codes::FILE_MODULE];
     codes::ALL.iter().map(|(code, _)| *code).filter(|c| !expected(c) && !beyond.contains(c)).collect()
 }
 

@@ -7,6 +7,7 @@ use super::{Infer, Want};
 use crate::ast::{self, Expr, ExprKind, LambdaParam, Operator};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::front::MAX_DIAGNOSTICS;
 use crate::resolve::declare::defining_module;
 use crate::resolve::scope::Value;
 use crate::resolve::similar;
@@ -204,7 +205,10 @@ impl Infer<'_, '_> {
                     .label("unknown name");
             let locals = self.scope.iter().map(|(n, _): &(String, LocalId)| n.as_str());
             let known = locals.chain(scopes.value_names(self.place.file)).chain(super::forms::names());
-            match similar(name, known).map(str::to_owned) {
+            // Each suggestion reads all names: far down the list nobody sees it.
+            let few = self.out.len() < MAX_DIAGNOSTICS;
+            let meant = if few { similar(name, known) } else { None };
+            match meant.map(str::to_owned) {
                 Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")),
                 None => diagnostic,
             }

@@ -79,8 +79,9 @@ impl Context {
         };
         // Recovery can stumble over what directly follows.
         let place = self.ends.partition_point(|&end| end <= diagnostic.primary.0.start as usize);
-        let near = self.errors_at.iter().any(|&other| place.abs_diff(other) < SEPARATION);
-        self.errors_at.push(place);
+        let near =
+            self.errors_at.range((place + 1).saturating_sub(SEPARATION)..place + SEPARATION).next().is_some();
+        self.errors_at.insert(place);
         if near {
             return;
         }

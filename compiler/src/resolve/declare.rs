@@ -193,9 +193,17 @@ impl<'a> Declared<'a> {
         self.duplicate(name, earlier);
     }
 
+    /// A name that stands for a value and a type is reported once: the reports lie close together.
     fn duplicate(&mut self, name: &Name, earlier: Option<Span>) {
+        const RECENT: usize = 16;
         let Some(earlier) = earlier else { return };
-        if self.diagnostics.iter().any(|d| d.code == codes::DUPLICATE && d.primary.0 == name.span) {
+        if self
+            .diagnostics
+            .iter()
+            .rev()
+            .take(RECENT)
+            .any(|d| d.code == codes::DUPLICATE && d.primary.0 == name.span)
+        {
             return;
         }
         self.diagnostics.push(

@@ -39,6 +39,52 @@ fn types_that_grow() {
     assert!(codes_of(&both).contains(&TOO_LARGE));
 }
 
+fn text(piece: &str) -> String {
+    (0..(1 << 18) / piece.len()).map(|i| piece.replace('#', &i.to_string())).collect()
+}
+
+#[test]
+fn more_errors_than_anybody_reads() {
+    let pieces = [
+        ") ",
+        "if a { z } el ",
+        "fn f() -> i32 = x;\n",
+        "let 1;\n",
+        "f(|x| ",
+        "/ ",
+        "Option<",
+        "1 < ",
+        "\u{1} ",
+        "fn f() -> i32 = 1 \n",
+        "let a = 1 ",
+    ];
+    // What differs in each repetition is written `#`.
+    let numbered =
+        ["fn f#() -> i32 = x#;\n", "type T# = U#;\n", "fn f#(a: i32) -> i32 = match a { V#(_) => 1 };\n"];
+    for piece in pieces.into_iter().chain(numbered) {
+        let started = std::time::Instant::now();
+        let report = check(&text(piece)).unwrap_err();
+        assert!(report.diagnostics.len() <= 101, "{} errors for {piece}", report.diagnostics.len());
+        crate::report::render(&report, false);
+        crate::report::to_json(&report);
+        let taken = started.elapsed();
+        println!("{piece:?}: {taken:?}");
+        assert!(taken.as_secs() < 30, "{taken:?} for {piece}");
+    }
+    let codes = codes_of(&"fn f() -> i32 = x;\n".repeat(300));
+    assert_eq!((codes.len(), codes.last()), (101, Some(&TOO_MANY)));
+}
+
+#[test]
+fn places_are_whole_characters() {
+    for text in ["fn n()=|\u{fffd}|;", "fn n() -> i32 = (\u{fffd}", "fn n() -> i32 = 1 \u{fffd} fn"] {
+        for diagnostic in check(text).unwrap_err().diagnostics {
+            let (span, _) = diagnostic.primary;
+            assert!(text.get(span.start as usize..span.end as usize).is_some(), "{diagnostic:?} in {text}");
+        }
+    }
+}
+
 #[test]
 fn many_of_everything() {
     let lets: String = (0..3_000).map(|i| format!("let a{i} = abs({i});")).collect();

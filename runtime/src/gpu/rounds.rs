@@ -211,8 +211,8 @@ impl Engine {
                 reached: format!("{rewrites} rewrites"),
             });
         }
-        if self.config.max_rewrites.is_some_and(|most| rewrites > most) {
-            return Err(RunError::MaxRewrites { function: function(), limit: rewrites });
+        if let Some(limit) = self.config.max_rewrites.filter(|most| rewrites > *most) {
+            return Err(RunError::MaxRewrites { function: function(), limit });
         }
         Ok(())
     }

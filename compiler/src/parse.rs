@@ -55,6 +55,8 @@ pub fn expression(source: SourceId, text: &str) -> Parsed<Expr> {
 
 /// Missing semicolons put in before the rest of the text is left as it is.
 const MOST_REPAIRS: usize = 64;
+/// Lexemes that are read again for the sake of repairs.
+const MOST_READ: usize = 1 << 19;
 
 fn parse<T>(source: SourceId, text: &str, run: impl Fn(&mut Context, &[Spanned]) -> T) -> Parsed<T> {
     let Lexed { mut lexemes, diagnostics, unclosed } = lex(source, text);
@@ -78,7 +80,9 @@ fn parse<T>(source: SourceId, text: &str, run: impl Fn(&mut Context, &[Spanned])
         let tree = run(&mut cx, &lexemes);
         // What follows a missing semicolon is read as if it stood there.
         match cx.missing.take() {
-            Some((place, diagnostic)) if repairs.len() < MOST_REPAIRS => {
+            Some((place, diagnostic))
+                if repairs.len() < MOST_REPAIRS && repairs.len() * lexemes.len() < MOST_READ =>
+            {
                 let before = lexemes.partition_point(|&(start, _, _)| start < place);
                 let at = before.checked_sub(1).map_or(place, |i| lexemes[i].2);
                 lexemes.insert(before, (at, Lexeme::Semi, at));

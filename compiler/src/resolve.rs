@@ -13,6 +13,9 @@ use std::cmp::Reverse;
 /// Longer names are not compared.
 const LONGEST: usize = 64;
 
+/// Where more names are known none is suggested: each unknown name is compared with all of them.
+const MOST_KNOWN: usize = 1_000;
+
 /// The name among `known` that was probably meant.
 pub fn similar<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     // Two names of this length are too much to compare, and no slips of the pen.
@@ -20,7 +23,12 @@ pub fn similar<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&
         return None;
     }
     let limit = 1 + name.len() / 4;
+    let known: Vec<&str> = known.take(MOST_KNOWN + 1).collect();
+    if known.len() > MOST_KNOWN {
+        return None;
+    }
     known
+        .into_iter()
         .filter(|candidate| *candidate != name && !candidate.starts_with("__"))
         .filter(|candidate| candidate.len().abs_diff(name.len()) <= limit)
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))

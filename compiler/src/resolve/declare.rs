@@ -1,6 +1,7 @@
 //! Gives every item of every file its id and its stated types. Bodies are left to inference.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::OnceLock;
 
 use super::load::{File, PRELUDE, USER};
 use super::scope::{Scopes, TypeName, Value};
@@ -398,22 +399,49 @@ fn same_enum(a: &ast::Enum, b: &ast::Enum) -> bool {
         })
 }
 
+/// Names that a library module defines.
+struct Exports {
+    module: &'static str,
+    values: HashSet<String>,
+    types: HashSet<String>,
+}
+
+impl Exports {
+    fn read(module: &'static str, text: &str) -> Exports {
+        let mut exports = Exports { module, values: HashSet::new(), types: HashSet::new() };
+        for item in parse::file(SourceId(0), text).tree {
+            let (value, ty) = match &item {
+                Item::Struct(s) => (Some(&s.name), Some(&s.name)),
+                Item::Enum(e) => {
+                    exports.values.extend(e.variants.iter().map(|(variant, _)| variant.text.clone()));
+                    (Some(&e.name), Some(&e.name))
+                }
+                Item::Alias(a) => (None, Some(&a.name)),
+                Item::Function(f) => (Some(&f.name), None),
+                Item::Const(c) => (Some(&c.name), None),
+                _ => (None, None),
+            };
+            exports.values.extend(value.map(|name| name.text.clone()));
+            exports.types.extend(ty.map(|name| name.text.clone()));
+        }
+        exports
+    }
+}
+
 /// The library module that defines a name, for suggestions.
 pub fn defining_module(name: &str, types: bool) -> Option<&'static str> {
+    static LIBRARY: OnceLock<Vec<Exports>> = OnceLock::new();
     let built_in = Builtin::ALL.iter().any(|b| b.name() == name && b.scope() == Visibility::Terrain);
     if built_in && !types {
         return Some("terrain");
     }
-    let defines = |item: &Item| match item {
-        Item::Struct(s) => s.name.text == name,
-        Item::Enum(e) => e.name.text == name || (!types && e.variants.iter().any(|(v, _)| v.text == name)),
-        Item::Alias(a) => types && a.name.text == name,
-        Item::Function(f) => !types && f.name.text == name,
-        Item::Const(c) => !types && c.name.text == name,
-        _ => false,
-    };
-    let mut modules = library::MODULES.iter().filter(|(module, _)| *module != library::PRELUDE);
-    modules
-        .find(|(_, text)| !name.starts_with('_') && parse::file(SourceId(0), text).tree.iter().any(defines))
-        .map(|(module, _)| *module)
+    if name.starts_with('_') {
+        return None;
+    }
+    let library = LIBRARY.get_or_init(|| {
+        let modules = library::MODULES.iter().filter(|(module, _)| *module != library::PRELUDE);
+        modules.map(|(module, text)| Exports::read(module, text)).collect()
+    });
+    let defines = |e: &&Exports| if types { e.types.contains(name) } else { e.values.contains(name) };
+    library.iter().find(defines).map(|e| e.module)
 }

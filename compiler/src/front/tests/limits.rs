@@ -59,7 +59,8 @@ fn more_errors_than_anybody_reads() {
         "let a = 1 ",
     ];
     // What differs in each repetition is written `#`.
-    let numbered = ["fn f#() -> i32 = x#;\n", "fn f#(a: i32) -> i32 = match a { V#(_) => 1 };\n"];
+    let numbered =
+        ["type T# = U#;\n", "fn f#() -> i32 = x#;\n", "fn f#(a: i32) -> i32 = match a { V#(_) => 1 };\n"];
     for piece in pieces.into_iter().chain(numbered) {
         let started = std::time::Instant::now();
         let report = check(&text(piece)).unwrap_err();

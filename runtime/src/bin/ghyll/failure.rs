@@ -38,7 +38,7 @@ impl Failure {
 /// Prints diagnostics: for people to standard error, as JSON to standard output.
 pub fn show(report: &Report, json: bool) {
     if json {
-        println!("{}", ghyll_compiler::report::to_json(report));
+        crate::report::line!("{}", ghyll_compiler::report::to_json(report));
     } else if !report.diagnostics.is_empty() {
         eprint!("{}", ghyll_compiler::report::render(report, std::io::stderr().is_terminal()));
     }

@@ -5,7 +5,27 @@ use ghyll_runtime::config::Stats;
 use ghyll_runtime::machine::Machine;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
+use std::io::Write;
 use std::time::Duration;
+
+/// A line of a value or report on standard output. A reader that has seen enough, such as `head`, is no failure.
+macro_rules! line {
+    ($($text:tt)*) => {
+        $crate::report::write_line(format_args!($($text)*))
+    };
+}
+pub(crate) use line;
+
+pub fn write_line(text: std::fmt::Arguments) {
+    let mut out = std::io::stdout().lock();
+    if let Err(error) = writeln!(out, "{text}") {
+        let quiet = error.kind() == std::io::ErrorKind::BrokenPipe;
+        if !quiet {
+            eprintln!("ghyll: cannot write to standard output: {error}");
+        }
+        std::process::exit(if quiet { 0 } else { 3 });
+    }
+}
 
 /// Prints statistics to standard error if they were asked for.
 pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {

@@ -32,12 +32,12 @@ pub fn bench(arguments: &Bench) -> Result<(), Failure> {
         let rows = rows(arguments, gpu.as_ref())?;
         if arguments.json {
             let date = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
-            println!(
+            crate::report::line!(
                 "{}",
                 json!({ "bench": name, "machine": machine(), "adapter": adapter, "date": date, "rows": rows })
             );
         } else {
-            println!("{name} on {adapter}, {}", machine());
+            crate::report::line!("{name} on {adapter}, {}", machine());
             table(&rows);
         }
     }
@@ -69,7 +69,7 @@ fn table(rows: &[Value]) {
     let widths: Vec<usize> = keys.iter().map(|key| width(key)).collect();
     let line = |cells: Vec<String>| {
         let padded: Vec<String> = cells.iter().zip(&widths).map(|(c, w)| format!("{c:>w$}")).collect();
-        println!("{}", padded.join("  "));
+        crate::report::line!("{}", padded.join("  "));
     };
     line(keys.iter().map(|k| k.to_string()).collect());
     for row in rows {

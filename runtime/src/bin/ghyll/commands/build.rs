@@ -27,6 +27,6 @@ pub fn build(arguments: &Build) -> Result<(), Failure> {
         }
         shown.push(text.trim_end().to_owned());
     }
-    println!("{}", shown.join("\n"));
+    crate::report::line!("{}", shown.join("\n"));
     Ok(())
 }

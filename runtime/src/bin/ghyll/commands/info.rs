@@ -13,18 +13,18 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
     };
     let terrain = scene::open(Some(path), &arguments.reading)?;
     if arguments.json {
-        println!("{}", described(&terrain));
+        crate::report::line!("{}", described(&terrain));
         return Ok(());
     }
     let [dx, dy] = terrain.spacing;
     let [east, north] = terrain.extent();
-    println!("format   {}", terrain.format);
-    println!("samples  {} x {}", terrain.width, terrain.height);
-    println!("spacing  {dx:.3} m east-west, {dy:.3} m north-south");
-    println!("extent   {:.3} km x {:.3} km", east / 1000.0, north / 1000.0);
-    println!("heights  {} m to {} m", terrain.min, terrain.max);
-    println!("voids    {}", terrain.voids);
-    println!("crs      {}", crs(&terrain).unwrap_or_else(|| "none stated".into()));
+    crate::report::line!("format   {}", terrain.format);
+    crate::report::line!("samples  {} x {}", terrain.width, terrain.height);
+    crate::report::line!("spacing  {dx:.3} m east-west, {dy:.3} m north-south");
+    crate::report::line!("extent   {:.3} km x {:.3} km", east / 1000.0, north / 1000.0);
+    crate::report::line!("heights  {} m to {} m", terrain.min, terrain.max);
+    crate::report::line!("voids    {}", terrain.voids);
+    crate::report::line!("crs      {}", crs(&terrain).unwrap_or_else(|| "none stated".into()));
     Ok(())
 }
 
@@ -66,21 +66,27 @@ fn adapters(as_json: bool) -> Result<(), Failure> {
                 })
             })
             .collect();
-        println!("{}", json!({ "version": env!("CARGO_PKG_VERSION"), "adapters": rows }));
+        crate::report::line!("{}", json!({ "version": env!("CARGO_PKG_VERSION"), "adapters": rows }));
         return Ok(());
     }
-    println!("ghyll {}", env!("CARGO_PKG_VERSION"));
+    crate::report::line!("ghyll {}", env!("CARGO_PKG_VERSION"));
     if adapters.is_empty() {
-        println!(
+        crate::report::line!(
             "no GPU adapter: programs run on the CPU twin. Install a Vulkan, Metal or Direct3D 12 driver; on Linux"
         );
-        println!("Mesa's package (mesa-vulkan-drivers, vulkan-swrast) has a software one");
+        crate::report::line!("Mesa's package (mesa-vulkan-drivers, vulkan-swrast) has a software one");
     }
     for a in adapters {
         let kind = if a.software { ", software" } else { "" };
-        println!("adapter  {} ({}{kind}; {})", a.name, a.backend, a.driver);
-        println!("         storage bindings up to {} MiB", a.limits.max_storage_buffer_binding_size >> 20);
-        println!("         workgroup memory {} KiB", a.limits.max_compute_workgroup_storage_size >> 10);
+        crate::report::line!("adapter  {} ({}{kind}; {})", a.name, a.backend, a.driver);
+        crate::report::line!(
+            "         storage bindings up to {} MiB",
+            a.limits.max_storage_buffer_binding_size >> 20
+        );
+        crate::report::line!(
+            "         workgroup memory {} KiB",
+            a.limits.max_compute_workgroup_storage_size >> 10
+        );
     }
     Ok(())
 }

@@ -25,9 +25,12 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
     let (value, stats) = job.run(&machine, &args, &config).map_err(Failure::run)?;
     if json {
-        println!("{}", serde_json::json!({ "value": value.to_string(), "machine": machine.describe() }));
+        crate::report::line!(
+            "{}",
+            serde_json::json!({ "value": value.to_string(), "machine": machine.describe() })
+        );
     } else {
-        println!("{value}");
+        crate::report::line!("{value}");
     }
     report::stats(&arguments.machine, &machine, &stats);
     Ok(())

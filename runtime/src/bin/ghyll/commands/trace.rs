@@ -21,7 +21,7 @@ pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let streams = stream::rounds(&back.table, first, &NoHost, FUEL);
     for (at, stream) in streams.take(arguments.rounds).enumerate() {
         let stream = stream.map_err(|why| Failure::Run(explained(&why)))?;
-        println!("s{at}: {}", stream::print(&back.table, &stream));
+        crate::report::line!("s{at}: {}", stream::print(&back.table, &stream));
         last = stream;
     }
     if stream::is_normal(&last) {

@@ -13,12 +13,13 @@ use proptest::num::u32::Any;
 use proptest::prelude::any;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use std::time::{Duration, Instant};
 
 /// How many programs share one file.
 pub const BATCH: usize = 25;
 
-/// The most attempts to make a program smaller.
-const SHRINK_STEPS: usize = 400;
+/// How long a program is made smaller.
+const SHRINKING: Duration = Duration::from_secs(60);
 
 /// Arguments of every entry.
 const INPUTS: &[(&str, &str)] = &[("3", "1.5"), ("-2147483648", "-0.25"), ("65539", "100.0")];
@@ -42,15 +43,12 @@ pub fn search(
     let mut runner = TestRunner::new_with_rng(Config::default(), generator(seed));
     let strategy = genes();
     for _ in 0..programs.div_ceil(BATCH) {
-        let mut trees = Vec::new();
-        for _ in 0..BATCH {
-            trees.push(strategy.new_tree(&mut runner).expect("lists of numbers are never rejected"));
-        }
-        let lists: Vec<Vec<u32>> = trees.iter().map(ValueTree::current).collect();
+        let draw = |_| strategy.new_tree(&mut runner).expect("lists of numbers are never rejected").current();
+        let lists: Vec<Vec<u32>> = (0..BATCH).map(draw).collect();
         for mode in modes {
             if let Some((index, told)) = compare(backend, *mode, &lists) {
                 let guilty = guilty(backend, *mode, &lists, index);
-                return Err(Box::new(shrink(backend, *mode, &mut trees[guilty], told)));
+                return Err(Box::new(shrink(backend, *mode, lists[guilty].clone(), told)));
             }
         }
     }
@@ -121,31 +119,44 @@ fn told(mode: Mode, call: &Call, a: &Result<Answer, Failure>, b: &Result<Answer,
 }
 
 /// The smallest program found that still makes the mode disagree.
-fn shrink(
-    backend: &dyn Backend,
-    mode: Mode,
-    tree: &mut impl ValueTree<Value = Vec<u32>>,
-    found: String,
-) -> Difference {
-    let alone = |genes: Vec<u32>| compare(backend, mode, &[genes]).map(|(_, told)| told);
-    let mut best = (tree.current(), alone(tree.current()));
-    let mut go_on = best.1.is_some() && tree.simplify();
-    for _ in 0..SHRINK_STEPS {
-        if !go_on {
-            break;
-        }
-        let genes = tree.current();
-        go_on = match alone(genes.clone()) {
-            Some(told) => {
-                best = (genes, Some(told));
-                tree.simplify()
-            }
-            None => tree.complicate(),
-        };
-    }
-    let (genes, told) = best;
+fn shrink(backend: &dyn Backend, mode: Mode, genes: Vec<u32>, found: String) -> Difference {
     // A difference that needs its neighbours is shown as it was found.
-    Difference { mode, told: told.unwrap_or(found), text: together(&[genes]).text }
+    let mut best = (genes.clone(), found);
+    let start = Instant::now();
+    reduce(genes, |genes| {
+        if start.elapsed() > SHRINKING {
+            return false;
+        }
+        let difference = compare(backend, mode, &[genes.to_vec()]);
+        if let Some((_, told)) = &difference {
+            best = (genes.to_vec(), told.clone());
+        }
+        difference.is_some()
+    });
+    Difference { mode, told: best.1, text: together(&[best.0]).text }
+}
+
+/// Takes pieces out of the genes, large ones first and the last ones first, then makes them 0, as long as the rest
+/// fails. Genes that are missing or 0 stand for the simplest answer.
+fn reduce(mut genes: Vec<u32>, mut fails: impl FnMut(&[u32]) -> bool) -> Vec<u32> {
+    let mut size = genes.len().div_ceil(2);
+    while size > 0 {
+        let mut end = genes.len();
+        while end > 0 {
+            let begin = end.saturating_sub(size);
+            let without = [&genes[..begin], &genes[end..]].concat();
+            let mut flat = genes.clone();
+            flat[begin..end].fill(0);
+            if fails(&without) {
+                genes = without;
+            } else if genes[begin..end].iter().any(|g| *g != 0) && fails(&flat) {
+                genes = flat;
+            }
+            end = begin.min(genes.len());
+        }
+        size = if size == 1 { 0 } else { size.div_ceil(2) };
+    }
+    genes
 }
 
 #[cfg(test)]
@@ -204,6 +215,15 @@ mod tests {
         assert!(found.told.contains("1.0000001"), "{}", found.told);
         assert!(found.text.contains("fold("));
         assert!(found.text.len() < 1200, "not shrunk: {}", found.text);
+    }
+
+    #[test]
+    fn genes_are_reduced_to_those_that_matter() {
+        let genes: Vec<u32> = (1..=200).collect();
+        let reduced = reduce(genes, |g| g.contains(&77) && g.contains(&150));
+        assert_eq!(reduced, [77, 150]);
+        let at_its_place = reduce((1..=50).collect(), |g| g.get(20) == Some(&21));
+        assert_eq!(at_its_place, [[0; 20].as_slice(), &[21]].concat());
     }
 
     #[test]

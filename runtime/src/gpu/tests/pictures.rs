@@ -58,7 +58,7 @@ fn images_in_a_tiny_arena() {
 fn shaded(functions: &str) -> Code {
     let mut code = picture(1);
     code.functions += functions;
-    code.has_shade = true;
+    (code.has_shade, code.fused) = (true, true);
     code
 }
 

@@ -75,6 +75,10 @@ fn memory_limit(available: u32) -> u32 {
         share = available;
     }
     var limit = share / RECORD_COST;
+    if (state.lean != 0u) {
+        // The sole lane's record, and some of pairs to be evened out.
+        return min(limit, 1u + available / (4u * RECORD_COST));
+    }
     let spread = state.blocks + state.pairs;
     if (share > spread) {
         limit = max(limit, (share - spread) * BLOCK / OUTPUT);
@@ -86,7 +90,7 @@ fn next_status(functions: u32, progress: bool) -> u32 {
     if (functions == 0u) {
         return DONE;
     }
-    if (state.limit == 0u) {
+    if (state.limit == 0u || (state.lean != 0u && params.may_grow != 0u)) {
         return NEEDS_MEMORY;
     }
     // A redex on a pair's edge needs one more round; evening out needs a few.
@@ -129,6 +133,13 @@ fn next_round() {
     state.returning = old;
     let available = u32(max(free, 0)) + old;
     state.peak = max(state.peak, params.capacity - min(available, params.capacity) + old);
+    // Lanes that could not get what they need, so that nothing was rewritten, have to go on one by one.
+    let starved = state.idle != 0u && (atomicLoad(&state.flags) & FLAG_MEMORY) != 0u;
+    state.lean = u32(available < 2u * params.floor || starved);
+    state.sole = select(NONE, atomicLoad(&state.next_sole), state.lean != 0u);
+    atomicStore(&state.next_sole, NONE);
+    atomicStore(&state.chosen, 0u);
+    atomicStore(&state.merges, 0u);
     state.limit = memory_limit(available);
     state.status = next_status(atomicLoad(&state.functions), progress);
     grid(0u, select(0u, state.pairs, state.status == RUNNING));

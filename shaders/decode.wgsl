@@ -95,8 +95,11 @@ fn redexes_in(span: Span, word: u32) -> u32 {
         let bit = firstTrailingBit(bits);
         bits &= bits - 1u;
         let position = word * 32u + bit;
-        let needed = arity(token_at(span, position));
-        if (position >= needed && run_start(position) + needed <= position) {
+        let task = token_at(span, position);
+        let needed = arity(task);
+        if (state.sole != NONE) {
+            found |= u32(task == (RESUME | state.sole)) << bit;
+        } else if (position >= needed && run_start(position) + needed <= position) {
             found |= 1u << bit;
         }
     }
@@ -119,7 +122,15 @@ fn open_pair(pair: u32, span: Span) {
     let uneven = old_blocks == 2u && min(span.first_size, second_size) * 2u < BLOCK;
     first_record = 0u;
     granted = 0u;
-    if (count != 0u || uneven) {
+    var even_out = uneven;
+    if (state.lean != 0u) {
+        // Memory is low: one redex of all goes on, and few pairs are evened out at a time.
+        if (count != 0u) {
+            count = u32(atomicAdd(&state.chosen, 1u) == 0u);
+        }
+        even_out = uneven && atomicAdd(&state.merges, 1u) < lean_merges(state.limit);
+    }
+    if (count != 0u || even_out) {
         let wanted = max(count, 1u);
         first_record = atomicAdd(&state.records, wanted);
         granted = min(wanted, state.limit - min(first_record, state.limit));

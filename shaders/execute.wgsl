@@ -35,15 +35,17 @@ fn draw(depth: u32) -> bool {
     high = records[record + RECORD_HIGH];
     stop_fuel = max(0, fuel - i32(min(depth, DEEP)));
     invoke = token_at(span, from_token);
-    if (invoke >= RESUME) {
-        // What it was given back when it was suspended, it needs again to be suspended.
-        if (!collect_pages(RESERVE - 1u)) {
-            untouched = true;
-            stop_fuel = fuel;
-            invoke = NO_TASK;
-            interrupt(NO_TASK, FLAG_MEMORY);
-            return true;
-        }
+    let resumed = invoke >= RESUME;
+    // What it was given back when it was suspended, it needs again to be suspended.
+    let needed = select(select(0u, RESERVE, state.lean != 0u), RESERVE - 1u, resumed);
+    if (!collect_pages(needed)) {
+        untouched = true;
+        stop_fuel = fuel;
+        interrupt(select(invoke, NO_TASK, resumed), FLAG_MEMORY);
+        invoke = NO_TASK;
+        return true;
+    }
+    if (resumed) {
         resume(invoke - RESUME);
         invoke = NO_TASK;
         if (far_right == NONE) {

@@ -254,15 +254,26 @@ fn put_rest_of_bits() {
 
 // An interrupted lane gives its redexes to others if there are few; else it is suspended as a whole.
 fn share() -> bool {
-    return far_redexes && params.depth == 0u && state.previous < params.threshold;
+    return far_redexes && params.depth == 0u && state.previous < params.threshold && state.lean == 0u;
+}
+
+// Whether an interrupted lane holds anything that must not, or need not, become tokens of the stream.
+fn keeps_window() -> bool {
+    if (far_left != NONE || far_right != NONE) {
+        return !share();
+    }
+    return state.lean != 0u && (left + right > 0u || invoke != NO_TASK);
 }
 
 // Writes what the lane holds as tokens; far stacks become resume tokens.
 fn publish(reason: u32) {
     put_count = 0u;
     put_mask = 0u;
-    if (reason == INTERRUPTED && (far_left != NONE || far_right != NONE) && !share()) {
-        put(RESUME | suspend(), true);
+    if (reason == INTERRUPTED && keeps_window()) {
+        let page = suspend();
+        put(RESUME | page, true);
+        // In a lean round this is the lane that goes on alone.
+        atomicStore(&state.next_sole, page);
     }
     if (far_left != NONE) {
         put(RESUME | state_page(true, false), true);
@@ -291,6 +302,9 @@ fn begin_lane(local: u32) {
     let wanted = min(atomicLoad(&state.records), state.limit);
     fuel = fuel_for(wanted);
     keep_free = max(0, i32(worst_need(wanted)) - i32(state.returning));
+    if (state.lean == 0u) {
+        keep_free = max(keep_free, i32(params.floor));
+    }
 }
 
 fn end_lane() {

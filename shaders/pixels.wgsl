@@ -65,7 +65,8 @@ fn draw_pixels(@builtin(local_invocation_index) local: u32) {
     clear_lane();
     fuel = params.fuel;
     stop_fuel = 0;
-    // The block in hand holds whatever a pixel leaves.
+    // No more pixels are begun than memory allows to finish. The block in hand holds whatever a pixel leaves.
+    keep_free = i32(min(2u * params.floor, params.capacity / 2u));
     let ready = collect_pages(1u);
     if (!ready) {
         atomicOr(&state.flags, FLAG_MEMORY);

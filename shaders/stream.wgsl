@@ -41,6 +41,8 @@ struct Params {
     cap: i32,              // most fuel of a lane, see loops_alive
     canary: u32,           // 3
     most_turns: u32,       // loop turns after which a lane stops
+    floor: u32,            // free blocks that are left to the sole lane of lean rounds
+    may_grow: u32,         // the host can give more memory
 }
 
 struct State {
@@ -74,7 +76,11 @@ struct State {
     cut: atomic<u32>,      // a lane ran out of fuel in this round
     pixel: atomic<u32>,    // next pixel in tile order
     published: atomic<u32>, // blocks written by pixels that were not finished
-    reserved: u32,
+    lean: u32,             // memory is low: one lane at a time, depth first
+    sole: u32,             // block that holds its state, if it was suspended in the round before
+    next_sole: atomic<u32>,
+    chosen: atomic<u32>,   // redexes that could be the sole lane's
+    merges: atomic<u32>,   // pairs evened out in a lean round
 }
 
 struct Pair {
@@ -152,8 +158,16 @@ fn worst_need(wanted: u32) -> u32 {
     return min(wanted * RECORD_COST, spread);
 }
 
+// Pairs that are evened out in a lean round of so many records.
+fn lean_merges(limit: u32) -> u32 {
+    return limit - min(limit, 1u);
+}
+
 // How many rewrites a record may make: few redexes, expand; plenty, or no more to be gained, go deep.
 fn depth_for(redexes: u32) -> u32 {
+    if (state.lean != 0u) {
+        return DEEP;
+    }
     if (params.depth != 0u) {
         return params.depth;
     }

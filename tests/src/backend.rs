@@ -297,7 +297,7 @@ fn config(settings: &Settings, mode: Mode) -> Config {
         depth: matches!(mode, Mode::CpuBlock | Mode::GpuBlock | Mode::GpuTinyBlocks).then_some(1),
         block: if mode == Mode::GpuTinyBlocks { 32 } else { usual.block },
         max_memory: settings.memory.unwrap_or(match mode {
-            Mode::GpuTinyArena => 512 << 10,
+            Mode::GpuTinyArena => 256 << 10,
             _ => usual.max_memory,
         }),
         timeout: settings.timeout.map_or(TIMEOUT, Duration::from_secs_f64),

@@ -75,6 +75,8 @@ pub struct Engine {
     pub(super) pixel_fuel: i32,
     /// Tile rows that `direct` computes in one submission.
     pub(super) direct_rows: u32,
+    /// One lane at a time, from the start: a run needed more memory than there is.
+    pub(super) lean: bool,
     live: Vec<u32>,
 }
 
@@ -123,12 +125,14 @@ impl Job {
 /// Arena to begin with, and what the records of one round may take.
 const ARENA_BYTES: u64 = 16 << 20;
 const RECORD_BYTES: u64 = 24 << 20;
+/// Least arena: a lane's pages, its round's splice and some stream.
+pub(super) const LEAST_BLOCKS: u64 = 24;
 
 fn capacity(shape: &Shape, config: &Config) -> Capacity {
     let stride = u64::from(shape.stride()) * 4;
     let record = u64::from(shape.record()) * 4;
     Capacity {
-        blocks: (ARENA_BYTES.min(config.max_memory) / stride).max(8) as u32,
+        blocks: (ARENA_BYTES.min(config.max_memory) / stride).max(LEAST_BLOCKS) as u32,
         records: (RECORD_BYTES.min(config.max_memory / 4) / record).clamp(8, 1 << 18) as u32,
     }
 }
@@ -186,6 +190,7 @@ impl Engine {
             pixels_per_group: 1,
             pixel_fuel: PIXEL_FUEL,
             direct_rows: 1,
+            lean: false,
         })
     }
 
@@ -204,6 +209,7 @@ impl Engine {
     pub fn run(&mut self, stream: &[(u32, bool)]) -> Result<Outcome, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
+        self.lean = false;
         loop {
             let mut state = self.load(stream)?;
             if self.rewrite(&mut job, &mut state)? == Ended::Normal {
@@ -253,6 +259,8 @@ impl Engine {
             canary: 3,
             most_turns: self.gpu.loop_turns().map_or(u32::MAX >> 1, |turns| turns / 2),
             parallel: self.gpu.parallel_groups(),
+            floor: self.floor(),
+            may_grow: u32::from(self.buffers.capacity.blocks < self.most_blocks()),
             ..Params::default()
         }
     }

@@ -42,6 +42,7 @@ impl Engine {
     pub fn draw(&mut self, width: u32, height: u32, entry: u32) -> Result<Stats, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
+        self.lean = false;
         self.fit(width, height)?;
         let direct = match self.config.rewriter {
             Rewriter::Auto => self.code.has_shade,
@@ -155,8 +156,10 @@ impl Engine {
         while pixel < total {
             let fuel = self.cap.min(self.pixel_fuel);
             let soft = (fuel - self.pixel_share).max(0);
-            let params = Params { width, height, entry, last: total, fuel, soft, ..self.params() };
-            let groups = self.groups_for(total - pixel);
+            // Without breadth, a pixel at a time.
+            let last = if self.lean { pixel + 1 } else { total };
+            let params = Params { width, height, entry, last, fuel, soft, ..self.params() };
+            let groups = self.groups_for(last - pixel);
             let mut state = self.begin(0);
             state.pixel = pixel;
             let time = self.play(job, Kernel::DrawPixels, [groups, 1], &params, &mut state)?;
@@ -173,7 +176,7 @@ impl Engine {
                 self.pixel_groups = (groups as u32).clamp(self.gpu.parallel_groups(), MOST_GROUPS);
             }
             if self.finish_pixels(job, pixel, &mut state)? == Ended::Normal {
-                pixel = state.pixel.min(total);
+                pixel = state.pixel.min(last);
             }
         }
         Ok(())
@@ -217,7 +220,7 @@ impl Engine {
     fn stream_pixels(&mut self, job: &mut Job, width: u32, height: u32, entry: u32) -> Result<(), RunError> {
         let total = width.div_ceil(8) * height.div_ceil(8) * 64;
         let words = u64::from(self.buffers.capacity.blocks) * u64::from(self.shape.block);
-        let part = (words / 8 / 5).max(1) as u32;
+        let mut part = (words / 8 / 5).max(1) as u32;
         let store = self.code.store();
         let mut stream = Vec::new();
         let mut first = 0;
@@ -234,6 +237,8 @@ impl Engine {
             let mut state = self.load(&stream)?;
             if self.rewrite(job, &mut state)? == Ended::Normal {
                 first = last;
+            } else if self.lean {
+                part = 1;
             }
         }
         Ok(())

@@ -54,6 +54,8 @@ shared! {
         cap: i32,
         canary: u32,
         most_turns: u32,
+        floor: u32,
+        may_grow: u32,
     }
 }
 
@@ -90,6 +92,10 @@ shared! {
         cut: u32,
         pixel: u32,
         published: u32,
-        reserved: u32,
+        lean: u32,
+        sole: u32,
+        next_sole: u32,
+        chosen: u32,
+        merges: u32,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::engine::{Ended, Engine, Job};
+use super::engine::{Ended, Engine, Job, LEAST_BLOCKS};
 use super::layout::{
     DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
     State,
@@ -14,6 +14,9 @@ use crate::error::RunError;
 const STAGES: [Kernel; 4] = [Kernel::Decode, Kernel::Execute, Kernel::Allocate, Kernel::Splice];
 /// Rounds without a rewrite after which what is short will not come by itself.
 const PATIENCE: u32 = 4;
+
+/// Blocks that the pages of a lane and the splice of its round take at least.
+const LEAST_FLOOR: u32 = 8;
 
 /// Fuel of a lane at which a loop that is still cut short by the adapter must be one task's own.
 const LEAST_CAP: i32 = 16;
@@ -30,11 +33,11 @@ fn block_words(tokens: &[(u32, bool)], block: usize, stride: usize, out: &mut Ve
 
 impl Engine {
     /// Most blocks that the arena may grow to.
-    fn most_blocks(&self) -> u32 {
+    pub(super) fn most_blocks(&self) -> u32 {
         let limits = &self.gpu.info().limits;
         let bytes =
             self.config.max_memory.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
-        (bytes / (u64::from(self.shape.stride()) * 4)).clamp(8, 1 << 28) as u32
+        (bytes / (u64::from(self.shape.stride()) * 4)).clamp(LEAST_BLOCKS, 1 << 28) as u32
     }
 
     /// Writes the stream to the arena, and everything else afresh.
@@ -71,6 +74,8 @@ impl Engine {
             culprit: NO_TASK,
             latest: NO_TASK,
             peak: blocks,
+            sole: NO_TASK,
+            next_sole: NO_TASK,
             ..State::default()
         };
         self.permit(&mut state);
@@ -79,6 +84,10 @@ impl Engine {
 
     /// Lets the rounds go on: sets what the allocate stage sets between two of them.
     pub(super) fn permit(&self, state: &mut State) {
+        state.lean = u32::from(state.free.max(0) as u32 + state.freed < 2 * self.floor());
+        if state.lean == 0 {
+            state.sole = NO_TASK;
+        }
         state.limit = self.memory_limit(state);
         state.status = RUNNING;
         let grid = |count: u32| [count.min(GRID), count.div_ceil(GRID), 1];
@@ -87,15 +96,25 @@ impl Engine {
         self.gpu.queue.write_buffer(&self.buffers.lane_groups, 0, bytemuck::cast_slice(&[0u32, 1, 1]));
     }
 
+    /// Free blocks that are kept for a lane that goes on alone: below twice as many, breadth turns into depth.
+    pub(super) fn floor(&self) -> u32 {
+        let capacity = self.buffers.capacity.blocks;
+        if self.lean { capacity } else { (capacity / 8).max(LEAST_FLOOR) }
+    }
+
     /// `memory_limit` of the allocate stage.
     fn memory_limit(&self, state: &State) -> u32 {
         let (block, output) = (u64::from(self.shape.block), u64::from(self.shape.output()));
         let cost = 2 + output.div_ceil(block);
         let available = state.free.max(0) as u64 + u64::from(state.freed);
         let share = if available / 2 < cost { available } else { available / 2 };
+        let records = u64::from(self.buffers.capacity.records);
+        if state.lean != 0 {
+            return (share / cost).min(1 + available / (4 * cost)).min(records) as u32;
+        }
         let spread = u64::from(state.blocks + state.pairs);
         let wide = share.saturating_sub(spread) * block / output;
-        (share / cost).max(wide).min(u64::from(self.buffers.capacity.records)) as u32
+        (share / cost).max(wide).min(records) as u32
     }
 
     /// Compiles kernels; true if any was not ready.
@@ -176,16 +195,23 @@ impl Engine {
             } else if !cold {
                 self.fuel.learn(time, full);
             }
-            self.mend(job, state)?;
+            if self.mend(job, state)? == Ended::Void {
+                return Ok(Ended::Void);
+            }
         }
     }
 
     /// After a submission that did not finish: gives memory where it was short.
-    fn mend(&mut self, job: &Job, state: &mut State) -> Result<(), RunError> {
+    fn mend(&mut self, job: &Job, state: &mut State) -> Result<Ended, RunError> {
         let short = state.status == NEEDS_MEMORY || state.flags & FLAG_MEMORY != 0;
         if short {
             let grown = self.grow(state);
             if !grown && (state.status == NEEDS_MEMORY || state.idle >= PATIENCE) {
+                if !self.lean && self.is_broad(state)? {
+                    // What many lanes hold may be more than one by one needs: from the start, without breadth.
+                    self.lean = true;
+                    return Ok(Ended::Void);
+                }
                 let task = if job.latest == NO_TASK { self.first_function(state)? } else { job.latest };
                 return Err(self.out_of_memory(task));
             }
@@ -197,7 +223,7 @@ impl Engine {
             self.permit(state);
         }
         state.flags = 0;
-        Ok(())
+        Ok(Ended::Normal)
     }
 
     pub(super) fn check_limits(&self, job: &Job) -> Result<(), RunError> {
@@ -278,18 +304,45 @@ impl Engine {
         self.readback.read(&self.gpu, &ranges)
     }
 
-    /// Task of the first function token, for messages.
-    fn first_function(&mut self, state: &State) -> Result<u32, RunError> {
+    /// Function tokens of the stream from the left, as long as `wanted` says so.
+    fn functions(&mut self, state: &State, mut wanted: impl FnMut(u32) -> bool) -> Result<(), RunError> {
         let stride = self.shape.stride() as usize;
-        for [block, size] in self.order(state)? {
-            let range = (&self.buffers.arena, u64::from(block) * stride as u64, stride);
-            let words = self.readback.read(&self.gpu, &[range])?;
-            let (tokens, bits) = words.split_at(self.shape.block as usize);
-            let function = |i: &usize| bits[i / 32] >> (i % 32) & 1 != 0 && tokens[*i] < RESUME;
-            if let Some(index) = (0..size as usize).find(function) {
-                return Ok(tokens[index]);
+        for entries in self.order(state)?.chunks(256) {
+            let arena = &self.buffers.arena;
+            let ranges: Vec<_> =
+                entries.iter().map(|[block, _]| (arena, u64::from(*block) * stride as u64, stride)).collect();
+            let words = self.readback.read(&self.gpu, &ranges)?;
+            for ([_, size], block) in entries.iter().zip(words.chunks(stride)) {
+                let (tokens, bits) = block.split_at(self.shape.block as usize);
+                let function = |i: &usize| bits[i / 32] >> (i % 32) & 1 != 0;
+                if !(0..*size as usize).filter(function).all(|i| wanted(tokens[i])) {
+                    return Ok(());
+                }
             }
         }
-        Ok(NO_TASK)
+        Ok(())
+    }
+
+    /// Task of the first function token, for messages.
+    fn first_function(&mut self, state: &State) -> Result<u32, RunError> {
+        let mut first = NO_TASK;
+        self.functions(state, |task| {
+            first = if task < RESUME { task } else { first };
+            first == NO_TASK
+        })?;
+        Ok(first)
+    }
+
+    /// Whether much of the memory is the stream's, or more than one lane's.
+    fn is_broad(&mut self, state: &State) -> Result<bool, RunError> {
+        let mut suspended = 0;
+        if state.blocks < self.buffers.capacity.blocks / 16 {
+            self.functions(state, |task| {
+                suspended += usize::from(task >= RESUME);
+                suspended < 2
+            })?;
+            return Ok(suspended > 1);
+        }
+        Ok(true)
     }
 }

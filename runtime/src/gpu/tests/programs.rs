@@ -235,3 +235,36 @@ pub fn picture_value(x: u32, y: u32, deep: u32) -> [f32; 3] {
     let n = 0.5 + if x % 32 == 5 && y % 16 == 3 { deep as f32 } else { 1.0 };
     [(x as f32 + 0.5) * 2.0, y as f32 + 0.5 + n, n]
 }
+
+/// branches(n, d) = if n == 0 { depth(d) } else { branches(n - 1, d) + branches(n - 1, d) } with
+/// depth(d) = if d == 0 { 1 } else { 1 + depth(d - 1) }: as many lanes could go deep as there are branches.
+pub fn branches() -> Code {
+    let functions = "
+fn task_0() {
+    consume(2u);
+    let n = operand(0u);
+    let d = operand(1u);
+    if (n == 0u) { literal(d); invoke = 1u; return; }
+    later(2u);
+    later(d);
+    later(n - 1u);
+    later(0u | (2u << 16u));
+    literal(n - 1u);
+    literal(d);
+    invoke = 0u;
+}
+fn task_1() {
+    consume(1u);
+    let d = operand(0u);
+    if (d == 0u) { literal(1u); return; }
+    later(2u);
+    literal(1u);
+    literal(d - 1u);
+    invoke = 1u;
+}
+fn task_2() {
+    consume(2u);
+    literal(operand(0u) + operand(1u));
+}";
+    code(functions, &[("branches", 2), ("depth", 1), ("plus", 2)], 7)
+}

@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use super::super::*;
-use super::programs::{ackermann, count, fib, fused, fused_value, gpu, grow, hofstadter, spin, total};
+use super::programs::{
+    ackermann, branches, count, fib, fused, fused_value, gpu, grow, hofstadter, spin, total,
+};
 
 fn config(rewriter: Rewriter) -> Config {
     Config { rewriter, ..Config::default() }
@@ -106,6 +108,17 @@ fn endless_loop_ends_by_timeout() {
     match value(&gpu, spin(), config, &[0]) {
         Err(RunError::Timeout { function, .. }) => assert_eq!(function, "spin"),
         other => panic!("{other:?}"),
+    }
+}
+
+/// A lane of these needs about 10 blocks, so the arena holds few of them: the others have to wait.
+#[test]
+fn breadth_turns_into_depth_when_memory_is_low() {
+    let Some(gpu) = gpu() else { return };
+    for (rewriter, kib) in [(Rewriter::Auto, 128), (Rewriter::Lane, 64), (Rewriter::Block, 128)] {
+        let config = Config { max_memory: kib << 10, ..config(rewriter) };
+        let found = value(&gpu, branches(), config, &[6, 1000]).map(|outcome| outcome.words);
+        assert_eq!(found, Ok(vec![64 * 1001]), "{rewriter:?}");
     }
 }
 

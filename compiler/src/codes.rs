@@ -1,4 +1,5 @@
-//! THE table of diagnostic codes: one row a code. Codes are stable; a retired one is never used again.
+//! THE table of diagnostic codes: one row and one page in `docs/errors/` a code. Codes are stable; a retired one is
+//! never used again.
 //!
 //! E01 lexical and syntax, E02 names and modules, E03 types, E04 patterns, E05 items and recursion,
 //! W06 warnings, E09 not supported yet.
@@ -30,6 +31,20 @@ codes! {
     MISPLACED_REST "E0115" "`..` that is not the last field of a pattern";
     TOO_LONG "E0116" "a source text that is too long";
     TOO_MANY "E0117" "more errors than are shown";
+    ASSIGNMENT "E0118" "an assignment";
+    FOREIGN_WORD "E0119" "a statement of another language";
+    FOREIGN_OPERATOR "E0120" "an operator of another language";
+    TYPE_FIRST "E0121" "a declaration that begins with its type";
+    FIELD_BRACES "E0122" "fields in braces";
+    CAST "E0123" "a cast";
+    TEXT "E0124" "a text where a value belongs";
+    PATH "E0125" "a name with `::`";
+    BRANCH_BRACES "E0126" "a branch without braces";
+    LOCAL_FUNCTION "E0127" "a function within a function";
+    NOT_AN_ITEM "E0128" "something at top level that is no item";
+    NO_VALUE "E0129" "a definition without its value";
+    NOT_A_LAMBDA "E0130" "a lambda as other languages write it";
+    REFERENCE "E0131" "a reference or pointer";
 
     DUPLICATE "E0201" "two definitions of one name";
     UNKNOWN_NAME "E0202" "a name that nothing defines";
@@ -40,6 +55,7 @@ codes! {
     MISSING_FIELD "E0207" "a field that is not given";
     NAMED_ARGUMENT "E0208" "named arguments where positions are needed";
     NEEDS_MODULE "E0209" "a name whose module is not in use";
+    METHOD "E0210" "a call of a method";
 
     MISMATCH "E0301" "a value of another type than its place needs";
     LITERAL_RANGE "E0302" "a literal that does not fit its type";
@@ -77,6 +93,7 @@ codes! {
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
     MANY_WARNINGS "W0602" "more warnings than are shown";
+    UNUSED_NAME "W0603" "a name that nothing uses";
 
     FILE_MODULE "E0907" "modules in files are not supported yet";
 }

@@ -58,6 +58,14 @@ impl Diagnostic {
     }
 }
 
+/// A range where there is no form to loop over it; some such places are seen by the parser, some by inference.
+pub(crate) fn misplaced_range(span: Span) -> Diagnostic {
+    let title = "a range `..` stands only as the first argument of `fold`, `sum`, `any` and `all`";
+    Diagnostic::error(crate::codes::MISPLACED_RANGE, span, title).help(
+        "loop with `fold(0..n, start, |acc, i| ..)`; an interval of numbers is a vec2 or two parameters",
+    )
+}
+
 /// Diagnostics with the texts they point into, ready to print.
 #[derive(Clone, Debug, Default)]
 pub struct Report {

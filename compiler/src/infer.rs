@@ -17,7 +17,7 @@ pub mod show;
 pub mod table;
 mod tree;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 
 use crate::ast;
@@ -168,12 +168,17 @@ struct Infer<'e, 'a> {
     out: Vec<Diagnostic>,
     /// Number of names made for holes.
     holes: usize,
+    /// Warnings about names that nothing reads.
+    unused: Vec<Diagnostic>,
+    /// Where fields are called as other languages call methods.
+    called: Vec<Span>,
 }
 
 struct Local {
     name: String,
     ty: Ty,
     span: Span,
+    used: Cell<bool>,
 }
 
 impl<'e, 'a> Infer<'e, 'a> {
@@ -188,6 +193,8 @@ impl<'e, 'a> Infer<'e, 'a> {
             comparable: Vec::new(),
             out: Vec::new(),
             holes: 0,
+            unused: Vec::new(),
+            called: Vec::new(),
         }
     }
 
@@ -199,7 +206,7 @@ impl<'e, 'a> Infer<'e, 'a> {
 
     /// A new local, not in scope yet.
     fn local(&mut self, name: &str, ty: Ty, span: Span) -> LocalId {
-        self.locals.push(Local { name: name.to_owned(), ty, span });
+        self.locals.push(Local { name: name.to_owned(), ty, span, used: Cell::new(false) });
         LocalId(self.locals.len() as u32 - 1)
     }
 
@@ -212,7 +219,9 @@ impl<'e, 'a> Infer<'e, 'a> {
     }
 
     fn lookup(&self, name: &str) -> Option<LocalId> {
-        self.scope.iter().rev().find(|(known, _)| known == name).map(|(_, id)| *id)
+        let (_, id) = self.scope.iter().rev().find(|(known, _)| known == name)?;
+        self.locals[id.0 as usize].used.set(true);
+        Some(*id)
     }
 
     fn fresh(&mut self, span: Span) -> Ty {
@@ -291,6 +300,12 @@ impl<'e, 'a> Infer<'e, 'a> {
                 if self.env.module.enums[id.0 as usize].name == "Option" && option(args) =>
             {
                 "wrap it: `Some(..)`".to_owned()
+            }
+            (Form::Enum(id, args), _)
+                if self.env.module.enums[id.0 as usize].name == "Option"
+                    && args.first().is_some_and(|&arg| self.table.root(arg) == self.table.root(to)) =>
+            {
+                "say what it is when there is none: `match x { Some(v) => v, None => .. }`".to_owned()
             }
             (Form::Fn(params, result), _) if self.table.root(*result) == self.table.root(to) => {
                 let holes = vec![".."; params.len().min(1)].concat();

@@ -269,8 +269,31 @@ impl<'s> Reader<'s> {
             last.primary.0.end = end as u32;
             return;
         }
-        let title = format!("`{}` means nothing in Ghyll", self.text[start..end].escape_debug());
-        self.error(codes::BAD_CHARACTER, start, end, &title);
+        let found = &self.text[start..end];
+        let (code, help) = match found {
+            "?" => (codes::FOREIGN_OPERATOR, "a choice is `if c { a } else { b }`"),
+            "~" => (codes::FOREIGN_OPERATOR, "all bits turned is `!x`"),
+            "'" => (codes::BAD_CHARACTER, "there are no characters and texts: use numbers or an enum"),
+            "#" => (
+                codes::BAD_CHARACTER,
+                "there is no preprocessor: constants are `const`, modules come by `use`, comments begin with `//`",
+            ),
+            "\\" => (codes::BAD_CHARACTER, "a function without a name is `|x| ..`"),
+            "\u{d7}" => (codes::BAD_CHARACTER, "a product is `a * b`"),
+            "\u{2212}" | "\u{2013}" => {
+                (codes::BAD_CHARACTER, "a difference is `a - b`, with the minus of the keyboard")
+            }
+            "\u{a0}" | "\u{feff}" => (codes::BAD_CHARACTER, "this is an unusual blank: use a plain space"),
+            _ => (
+                codes::BAD_CHARACTER,
+                "names are of ASCII letters, digits and `_`; other characters stand in comments only",
+            ),
+        };
+        let title = match code {
+            codes::FOREIGN_OPERATOR => format!("there is no operator `{found}`"),
+            _ => format!("`{}` means nothing in Ghyll", found.escape_debug()),
+        };
+        self.error(code, start, end, &title).help = Some(help.to_owned());
     }
 
     /// `1.` is a number unless a field, a range or digits follow.
@@ -298,7 +321,7 @@ impl<'s> Reader<'s> {
             Ok(lexeme) => lexemes.push((start, lexeme, end)),
             Err(title) => {
                 self.error(codes::BAD_NUMBER, start, end, &title).help =
-                    Some("numbers look like 42, 0x2a, 42u, 1.5, .5, 1e-3 or 1_000".into());
+                    Some(number_help(&self.text[start..end]).to_owned());
                 self.lexed.lexemes.push((start, Lexeme::Int(0), end));
             }
         }
@@ -371,6 +394,26 @@ fn number(written: &str) -> Result<Lexeme<'static>, String> {
         Ok(value) if (value as f32).is_finite() => Ok(Lexeme::Float(value)),
         Ok(_) => Err(format!("`{written}` is larger than f32 holds")),
         Err(_) => Err(format!("`{written}` is not a number")),
+    }
+}
+
+/// What to write for a number as other languages write it.
+fn number_help(written: &str) -> &'static str {
+    let plain = |suffix: &str| {
+        written
+            .strip_suffix(suffix)
+            .is_some_and(|digits| digits.bytes().all(|b| b.is_ascii_digit() || b == b'.'))
+    };
+    if written.starts_with("0b") || written.starts_with("0o") {
+        "integers are decimal or hexadecimal: 42, 0x2a"
+    } else if ["f", "F", "f32", "h"].into_iter().any(plain) {
+        "leave the suffix out: with a point it is an f32"
+    } else if ["i", "l", "L", "i32"].into_iter().any(plain) {
+        "leave the suffix out: an integer takes the type its place needs, i32 where none is needed"
+    } else if ["U", "ul", "u32"].into_iter().any(plain) {
+        "the only suffix is `u`, for u32"
+    } else {
+        "numbers look like 42, 0x2a, 42u, 1.5, .5, 1e-3 or 1_000"
     }
 }
 

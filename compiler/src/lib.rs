@@ -12,6 +12,8 @@ pub mod compile;
 pub mod core;
 pub mod diagnostic;
 mod exhaustive;
+pub mod explain;
+mod foreign;
 pub mod front;
 mod infer;
 pub mod interpret;

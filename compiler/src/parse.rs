@@ -3,6 +3,7 @@
 
 mod chain;
 mod errors;
+mod mistakes;
 
 use std::collections::BTreeSet;
 
@@ -58,24 +59,29 @@ const MOST_REPAIRS: usize = 64;
 /// Lexemes that are read again for the sake of repairs.
 const MOST_READ: usize = 1 << 19;
 
-fn parse<T>(source: SourceId, text: &str, run: impl Fn(&mut Context, &[Spanned]) -> T) -> Parsed<T> {
+fn parse<T>(
+    source: SourceId,
+    text: &str,
+    run: impl for<'s> Fn(&mut Context<'s>, &[Spanned<'s>]) -> T,
+) -> Parsed<T> {
     let Lexed { mut lexemes, diagnostics, unclosed } = lex(source, text);
     // The text was cut off: what follows would only repeat that.
     let cut = diagnostics.iter().any(|d| [codes::TOO_DEEP, codes::TOO_LONG].contains(&d.code));
     let mut repairs: Vec<Diagnostic> = Vec::new();
     let (tree, cx) = loop {
-        let ends: Vec<usize> = lexemes.iter().map(|&(_, _, end)| end).collect();
-        let index = |d: &Diagnostic| ends.partition_point(|&end| end <= d.primary.0.start as usize);
+        let index =
+            |d: &Diagnostic| lexemes.partition_point(|&(_, _, end)| end <= d.primary.0.start as usize);
         let errors_at = diagnostics.iter().map(index).collect();
         let mut cx = Context {
             source,
             text_end: text.len(),
-            ends,
+            lexemes: lexemes.clone(),
             unclosed: unclosed.clone(),
             diagnostics: Vec::new(),
             too_deep: false,
             errors_at,
             missing: None,
+            silent_to: 0,
         };
         let tree = run(&mut cx, &lexemes);
         // What follows a missing semicolon is read as if it stood there.
@@ -116,11 +122,10 @@ fn whole_characters(text: &str, span: &mut Span) {
 type Spanned<'s> = (usize, Lexeme<'s>, usize);
 
 /// What the grammar's actions share.
-pub struct Context {
+pub struct Context<'s> {
     source: SourceId,
     text_end: usize,
-    /// Where each lexeme ends.
-    ends: Vec<usize>,
+    lexemes: Vec<Spanned<'s>>,
     unclosed: Vec<(Span, char)>,
     diagnostics: Vec<Diagnostic>,
     too_deep: bool,
@@ -128,6 +133,8 @@ pub struct Context {
     errors_at: BTreeSet<usize>,
     /// A semicolon is missing before this place, the first syntax error.
     missing: Option<(usize, Diagnostic)>,
+    /// Syntax errors before this lexeme follow from one that was told.
+    silent_to: usize,
 }
 
 /// A field of a constructor pattern.
@@ -136,13 +143,21 @@ pub enum Field {
     Rest(Span),
 }
 
-impl Context {
+impl Context<'_> {
     pub fn span(&self, start: usize, end: usize) -> Span {
         Span::new(self.source, start, end.max(start))
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
+    }
+
+    /// Reports unless something behind that place is wrong already, of which this would be a consequence.
+    fn report_unless_wrong(&mut self, start: usize, diagnostic: Diagnostic) {
+        // They come in the order of the text, but for a few of one place.
+        if !self.diagnostics.iter().rev().take(4).any(|d| d.primary.0.end as usize > start) {
+            self.report(diagnostic);
+        }
     }
 
     pub fn recovered(&mut self, e: ErrorRecovery<usize, Lexeme, ()>, _start: usize, _end: usize) {
@@ -340,7 +355,8 @@ impl Context {
     ) -> Expr {
         let last = last.unwrap_or_else(|| {
             let at = self.span(start, start + 2);
-            self.report(
+            self.report_unless_wrong(
+                start,
                 Diagnostic::error(codes::IF_WITHOUT_ELSE, at, "this `if` has no `else`")
                     .label("has no value when the condition is false")
                     .help("`if` is an expression: add `else { .. }`"),
@@ -355,18 +371,12 @@ impl Context {
         let lets: Vec<Let> = lets.into_iter().flatten().collect();
         let value = value.unwrap_or_else(|| {
             let at = self.span(end.saturating_sub(1), end);
-            // A value with a semicolon after it was reported where it stands.
-            if !self
-                .diagnostics
-                .iter()
-                .any(|d| d.code == codes::UNUSED_VALUE && d.primary.0.end as usize >= start)
-            {
-                self.report(
-                    Diagnostic::error(codes::BLOCK_VALUE, at, "this block does not end with a value")
-                        .label("expected an expression before this")
-                        .help("a block is `{ let a = ..; value }`, without `;` after the value"),
-                );
-            }
+            self.report_unless_wrong(
+                start,
+                Diagnostic::error(codes::BLOCK_VALUE, at, "this block does not end with a value")
+                    .label("expected an expression before this")
+                    .help("a block is `{ let a = ..; value }`, without `;` after the value"),
+            );
             self.expr(ExprKind::Error, end, end)
         });
         if lets.is_empty() {
@@ -381,7 +391,8 @@ impl Context {
             return;
         }
         let span = self.span(value.span.start as usize, end);
-        self.report(
+        self.report_unless_wrong(
+            value.span.start as usize,
             Diagnostic::error(codes::UNUSED_VALUE, span, "nothing uses this value")
                 .help("name it with `let`, or remove the `;` if it is the value of the block"),
         );

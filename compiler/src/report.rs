@@ -19,7 +19,17 @@ pub fn render(report: &Report, color: bool) -> String {
             text.extend(plain(&report.sources, diagnostic).bytes());
         }
     }
-    String::from_utf8_lossy(&text).into_owned()
+    let mut text = String::from_utf8_lossy(&text).into_owned();
+    if let Some(code) = worst(report) {
+        text.push_str(&format!("`ghyll check --explain {code}` says more.\n"));
+    }
+    text
+}
+
+/// The code to read about first: that of the first error, else of the first warning.
+fn worst(report: &Report) -> Option<&'static str> {
+    let error = report.diagnostics.iter().find(|d| d.severity == Severity::Error);
+    error.or(report.diagnostics.first()).map(|d| d.code)
 }
 
 type Place = (String, std::ops::Range<usize>);
@@ -143,6 +153,7 @@ mod tests {
         for part in ["E0202", "a.ghyll:2:10", "fn ä() = x;", "unknown \"name\"", "did you mean `y`?"] {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
+        assert!(text.ends_with("`ghyll check --explain E0202` says more.\n"), "{text}");
         assert!(!text.contains('\u{1b}'));
         assert!(render(&report(), true).contains('\u{1b}'));
     }
@@ -154,7 +165,7 @@ mod tests {
         let at = Span::new(id, 1 << 20, (1 << 20) + 1);
         let diagnostics = vec![Diagnostic::error(codes::SYNTAX, at, "not expected")];
         let text = render(&Report { sources, diagnostics }, false);
-        assert_eq!(text, "a.ghyll:2:1048576: E0104: not expected\n");
+        assert_eq!(text.lines().next(), Some("a.ghyll:2:1048576: E0104: not expected"));
     }
 
     #[test]

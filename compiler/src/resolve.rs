@@ -27,6 +27,10 @@ pub fn similar<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&
     if known.len() > MOST_KNOWN {
         return None;
     }
+    let case = known.iter().find(|candidate| **candidate != name && candidate.eq_ignore_ascii_case(name));
+    if let Some(same) = case.filter(|candidate| !candidate.starts_with("__")) {
+        return Some(same);
+    }
     known
         .into_iter()
         .filter(|candidate| *candidate != name && !candidate.starts_with("__"))

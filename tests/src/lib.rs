@@ -11,7 +11,7 @@
 //! | [`value`] | values in Ghyll syntax and when two of them agree |
 //! | [`mode`] | THE table of machines and settings a case runs on |
 //! | [`judge`] | compares what a backend answers with what the case expects |
-//! | [`backend`] | the only file that knows the runtime's interface |
+//! | [`pages`] | whether the pages about diagnostics are true |
 //! | [`differential`] | looks for random programs on which two modes disagree |
 //! | [`generate`] | random well-typed programs, and their shrinking |
 //! | [`hunt`] | looks for inputs that end in a panic, a hang or too much memory |
@@ -25,4 +25,5 @@ pub mod generate;
 pub mod hunt;
 pub mod judge;
 pub mod mode;
+pub mod pages;
 pub mod value;

@@ -253,6 +253,10 @@ impl Infer<'_, '_> {
             ExprKind::Lambda(params, _) if params.len() == arguments.len() => {
                 return self.call_lambda(callee, arguments, span, want);
             }
+            ExprKind::Field(_, name) => {
+                self.called.push(name.span);
+                self.any(callee)
+            }
             _ => self.any(callee),
         };
         if self.table.is_unknown(f.ty) {

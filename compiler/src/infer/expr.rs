@@ -2,11 +2,12 @@
 
 use super::goals::GoalKind;
 use super::table::{Form, Origin, Ty};
-use super::tree::{Arm, Kind, Node, Number, Pattern};
+use super::tree::{Arm, Kind, Node, Number, Pattern, PatternKind};
 use super::{Infer, Want};
 use crate::ast::{self, Expr, ExprKind, LambdaParam, Operator};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::foreign;
 use crate::front::MAX_DIAGNOSTICS;
 use crate::resolve::declare::defining_module;
 use crate::resolve::scope::Value;
@@ -71,8 +72,7 @@ impl Infer<'_, '_> {
     }
 
     pub(super) fn misplaced_range(&mut self, span: Span) -> Node {
-        let title = "a range stands only as the first argument of `fold`, `sum`, `any` and `all`";
-        self.report(Diagnostic::error(codes::MISPLACED_RANGE, span, title));
+        self.report(crate::diagnostic::misplaced_range(span));
         self.error_node(span)
     }
 
@@ -208,9 +208,10 @@ impl Infer<'_, '_> {
             // Each suggestion reads all names: far down the list nobody sees it.
             let few = self.out.len() < MAX_DIAGNOSTICS;
             let meant = if few { similar(name, known) } else { None };
-            match meant.map(str::to_owned) {
-                Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")),
-                None => diagnostic,
+            match (foreign::value_help(name), meant) {
+                (Some(help), _) => diagnostic.help(help),
+                (None, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")),
+                (None, None) => diagnostic,
             }
         };
         self.report(diagnostic);
@@ -388,8 +389,26 @@ impl Infer<'_, '_> {
         }
         let value = self.expr(value, want);
         self.scope.truncate(mark);
+        for (pattern, _) in &nodes {
+            self.note_unused(pattern);
+        }
         let ty = value.ty;
         Node { kind: Kind::Block(nodes, Box::new(value)), ty, span }
+    }
+
+    /// Warns where a `let` names one value and nothing reads it. The parts of a pattern are named to tell them apart.
+    fn note_unused(&mut self, pattern: &Pattern) {
+        let PatternKind::Bind(id) = pattern.kind else { return };
+        let local = &self.locals[id.0 as usize];
+        if local.used.get() || local.name.starts_with('_') {
+            return;
+        }
+        let (name, span) = (local.name.clone(), local.span);
+        self.unused.push(
+            Diagnostic::warning(codes::UNUSED_NAME, span, format!("nothing uses `{name}`"))
+                .label("named, but never read")
+                .help(format!("remove the `let`, or call it `_{name}`")),
+        );
     }
 
     fn with(&mut self, base: &Expr, fields: &[ast::Argument], span: Span, want: Want) -> Node {

@@ -33,7 +33,13 @@ impl Infer<'_, '_> {
         for (ty, span) in comparable {
             finish.comparable(ty, span);
         }
+        // What is wrong elsewhere in the body may be why a name is not read.
+        let unused = match finish.infer.has_errors() {
+            true => Vec::new(),
+            false => std::mem::take(&mut finish.infer.unused),
+        };
         let mut diagnostics = finish.infer.out;
+        diagnostics.extend(unused);
         let mut seen = HashSet::new();
         diagnostics.retain(|d| seen.insert((d.code, d.primary.0, d.title.clone())));
         Body { expr, locals, diagnostics }

@@ -155,7 +155,8 @@ impl Infer<'_, '_> {
                 Some(&ty) => ty,
                 None => {
                     let title = format!("a tuple of {} has no component `.{}`", items.len(), name.text);
-                    self.report(
+                    self.no_field(
+                        name,
                         Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title)
                             .help(format!("its components are `.0` to `.{}`", items.len().saturating_sub(1))),
                     );
@@ -166,8 +167,13 @@ impl Infer<'_, '_> {
             Form::IVec(n) => self.swizzle(name, n, base, Ty::I32, Ty::ivec, 3),
             _ => {
                 let title = format!("{} has no fields", super::quoted(&self.show(base)));
-                self.report(
+                self.no_field(
+                    name,
                     Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title)
+                        .help(match self.table.form(base) {
+                            Form::Array(..) => "an element of an array is `a[i]`",
+                            _ => "structs, tuples and vectors have fields",
+                        })
                         .label("not a struct, tuple or vector"),
                 );
                 Ty::ERROR
@@ -196,7 +202,7 @@ impl Infer<'_, '_> {
                     letters("xyzw"),
                     letters("rgba")
                 );
-                self.report(Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title).help(help));
+                self.no_field(name, Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title).help(help));
                 Ty::ERROR
             }
         }

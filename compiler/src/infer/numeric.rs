@@ -261,6 +261,12 @@ impl Infer<'_, '_> {
             (Vec(_), Vec(_)) if matches!(op, BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge) => {
                 Some("compare components, or `length(..)`".to_owned())
             }
+            (Mat(n), Vec(m)) | (Vec(m), Mat(n)) if n != m => {
+                Some(format!("a mat{n} goes with a vec{n}"))
+            }
+            (Other, _) | (_, Other) => {
+                Some("structs, tuples, enums and type parameters have no operators: take their parts, or pass a function that does it".to_owned())
+            }
             (Mat(_), Mat(_)) if op == BinaryOp::Div => Some("multiply by the inverse".to_owned()),
             _ => None,
         }

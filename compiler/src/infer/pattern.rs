@@ -306,8 +306,27 @@ impl Infer<'_, '_> {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("its fields are {}", all.join(", ")),
         };
+        let diagnostic =
+            Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title).label("unknown field").help(help);
+        self.no_field(name, diagnostic);
+    }
+
+    /// Reports a field that does not exist; one that is called was meant as a method.
+    pub(super) fn no_field(&mut self, name: &Name, diagnostic: Diagnostic) {
+        if !self.called.contains(&name.span) {
+            return self.report(diagnostic);
+        }
+        let (scopes, file, text) = (&self.env.names.scopes, self.place.file, &name.text);
+        let known = scopes.value(file, text).is_some() || scopes.builtin(file, text).is_some();
+        let help = match crate::foreign::value_help(text) {
+            _ if known => format!("write `{text}(value, ..)`, or `value |> {text}`"),
+            Some(help) => format!("functions stand before their arguments: {help}"),
+            None => "functions stand before their arguments: `f(value, ..)`".to_owned(),
+        };
         self.report(
-            Diagnostic::error(codes::UNKNOWN_FIELD, name.span, title).label("unknown field").help(help),
+            Diagnostic::error(codes::METHOD, name.span, "there are no methods")
+                .label("called like one")
+                .help(help),
         );
     }
 

@@ -27,7 +27,7 @@ fn precedence(op: Operator) -> u8 {
     }
 }
 
-impl Context {
+impl Context<'_> {
     pub fn chain(&mut self, head: Vec<(Expr, Placed)>, last: Expr) -> Expr {
         let mut operands = Vec::with_capacity(head.len() + 1);
         let mut operators: Vec<Placed> = Vec::new();
@@ -61,7 +61,8 @@ impl Context {
             return;
         }
         let (at, before) = (self.span(second.1, second.2), self.span(first.1, first.2));
-        self.report(
+        self.report_unless_wrong(
+            first.1,
             Diagnostic::error(codes::CHAINED, at, "comparisons cannot be chained")
                 .label("second comparison")
                 .also(before, "first comparison")

@@ -48,7 +48,7 @@ const COVERED: &[(&str, &[&str])] = &[
     ),
 ];
 
-impl Context {
+impl Context<'_> {
     pub(super) fn syntax_error(&mut self, error: ParseError<usize, Lexeme, ()>) {
         let found_at = match &error {
             ParseError::UnrecognizedToken { token: (start, _, _), .. } => *start,
@@ -59,7 +59,7 @@ impl Context {
                 self.unexpected(start, end, Some(lexeme), &expected)
             }
             ParseError::UnrecognizedEof { expected, .. } => {
-                let mut end = self.ends.last().copied().unwrap_or(self.text_end);
+                let mut end = self.lexemes.last().map_or(self.text_end, |&(_, _, end)| end);
                 end = end.min(self.text_end);
                 match self.unclosed.last() {
                     Some(&(open, close)) => {
@@ -78,7 +78,11 @@ impl Context {
             ParseError::User { error: () } => return,
         };
         // Recovery can stumble over what directly follows.
-        let place = self.ends.partition_point(|&end| end <= diagnostic.primary.0.start as usize);
+        let start = diagnostic.primary.0.start as usize;
+        let place = self.lexemes.partition_point(|&(_, _, end)| end <= start);
+        if place < self.silent_to {
+            return;
+        }
         let near =
             self.errors_at.range((place + 1).saturating_sub(SEPARATION)..place + SEPARATION).next().is_some();
         self.errors_at.insert(place);
@@ -89,10 +93,14 @@ impl Context {
         {
             self.missing = Some((found_at, diagnostic.clone()));
         }
+        self.silence_after(place, diagnostic.code);
         self.report(diagnostic);
     }
 
     fn unexpected(&self, start: usize, end: usize, found: Option<Lexeme>, expected: &[String]) -> Diagnostic {
+        if let Some(diagnostic) = self.mistake(start, expected) {
+            return diagnostic;
+        }
         let found_text = found.map_or("the end of the text".to_owned(), |lexeme| describe(&lexeme));
         let names = summarise(expected);
         let before = self.end_before(start);
@@ -100,9 +108,10 @@ impl Context {
             || (names.contains(&"`;`".to_owned()) && names.len() <= 3 && starts_statement(found))
         {
             let at = self.span(before.saturating_sub(1), before);
+            let help = self.hint(start, expected).unwrap_or("items and `let` end with `;`");
             return Diagnostic::error(codes::SYNTAX, at, format!("expected `;`, found {found_text}"))
                 .label(MISSING_SEMICOLON)
-                .help("items and `let` end with `;`");
+                .help(help);
         }
         let title = match names.as_slice() {
             [] => format!("unexpected {found_text}"),
@@ -110,7 +119,8 @@ impl Context {
         };
         let diagnostic =
             Diagnostic::error(codes::SYNTAX, self.span(start, end), title).label("not expected here");
-        match help(found, expected) {
+        let help = self.hint(start, expected).map(str::to_owned).or_else(|| help(found, expected));
+        match help {
             Some(help) => diagnostic.help(help),
             None => diagnostic,
         }
@@ -118,8 +128,39 @@ impl Context {
 
     /// End of the last lexeme that ends at or before a place.
     fn end_before(&self, place: usize) -> usize {
-        let n = self.ends.partition_point(|&end| end <= place);
-        n.checked_sub(1).map_or(place, |i| self.ends[i])
+        let n = self.lexemes.partition_point(|&(_, _, end)| end <= place);
+        n.checked_sub(1).map_or(place, |i| self.lexemes[i].2)
+    }
+}
+
+impl Context<'_> {
+    /// What to do where the neighbours tell what was meant, though not so surely as in `mistakes`.
+    fn hint(&self, start: usize, expected: &[String]) -> Option<&'static str> {
+        use Lexeme::*;
+        let expects = |what: &str| expected.iter().any(|e| e.trim_matches('"') == what);
+        let at = self.lexemes.partition_point(|&(from, ..)| from < start);
+        let lexeme = |at: Option<usize>| at.and_then(|at| self.lexemes.get(at)).map(|&(_, lexeme, _)| lexeme);
+        let before = lexeme(at.checked_sub(1));
+        Some(match lexeme(Some(at))? {
+            Ident(_) | LParen if matches!(before, Some(Int(_) | Uint(_) | Float(_))) => {
+                "a product needs its operator: `2.0 * x`"
+            }
+            Colon | Ident(_) if expects("->") => {
+                "the result type stands behind an arrow: `fn name(x: f32) -> f32 = ..;`"
+            }
+            Ident(_) if expects(":") && expects(")") => "the type stands behind a colon: `x: f32`",
+            Assign if before != Some(Colon) && expects(":") => "state the type: `param name: f32 = 1.0;`",
+            Semi if expects(",") && expects("]") => "an array is written out: `[a, a, a]`",
+            Semi if expects(",") && expects("}") => "arms and variants are separated by commas",
+            Semi if expects(",") && expects(")") => "a `)` is missing before this, or this shall be a comma",
+            Colon if expects("=>") => "an arm is written `pattern => value`",
+            DotDot if expects("=>") => "a pattern is no range: write a guard, `x if 1 <= x && x < 3 => ..`",
+            Lt | LtEq | Gt | GtJoint | GtEq | EqEq | NotEq if expects("=>") => {
+                "a condition stands behind the pattern: `x if x > 3 => ..`"
+            }
+            Comma if expects("..") => "a range is written `lo..hi`",
+            _ => return None,
+        })
     }
 }
 
@@ -134,7 +175,6 @@ fn starts_statement(found: Option<Lexeme>) -> bool {
 fn help(found: Option<Lexeme>, expected: &[String]) -> Option<String> {
     let expects = |what: &str| expected.iter().any(|e| e.trim_matches('"') == what);
     match found? {
-        Lexeme::Assign if expects("==") => Some("to compare, write `==`; nothing can be assigned".into()),
         Lexeme::DotDot => Some("a range stands only as the first argument of fold, sum, any and all".into()),
         Lexeme::Amp | Lexeme::Bar if !expects("+") => None,
         found if keyword(&found).is_some() && expects("name") => {

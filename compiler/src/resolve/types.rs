@@ -7,6 +7,7 @@ use super::size::MAX_NODES;
 use crate::ast::{self, ExprKind, Name, Operator, TypeKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::foreign;
 use crate::source::Span;
 use crate::typed::{BinaryOp, Type};
 
@@ -144,8 +145,10 @@ impl Names<'_> {
             .chain(PLAIN.iter().map(|(plain, _)| *plain))
             .chain(place.generics.iter().map(String::as_str));
         let diagnostic = Diagnostic::error(codes::UNKNOWN_TYPE, span, format!("there is no type `{name}`"));
-        match super::similar(name, known) {
-            Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")),
+        match foreign::type_help(name)
+            .or_else(|| super::similar(name, known).map(|meant| format!("did you mean `{meant}`?")))
+        {
+            Some(help) => diagnostic.help(help),
             None => match super::declare::defining_module(name, true) {
                 Some(module) => diagnostic.help(format!("it is in module `{module}`: add `use {module};`")),
                 None => diagnostic,

@@ -258,3 +258,34 @@ fn the_other_side_is_shown() {
     let (span, _) = &report.diagnostics[0].secondary[0];
     assert_eq!(&text[span.start as usize..span.end as usize], "f32");
 }
+
+#[test]
+fn habits_are_answered() {
+    for (text, help) in [
+        ("fn f(x: f32) -> f32 = 2 x;", "2.0 * x"),
+        ("fn f(x: f32): f32 = x;", "->"),
+        ("fn f(x f32) -> f32 = x;", "`x: f32`"),
+        ("fn f(x: f32) -> f32 = Sin(x);", "`sin`"),
+        ("fn f(x: f32) -> f32 = [x; 3][0];", "[a, a, a]"),
+        ("fn f(x: i32) -> i32 = match x { 1: 2, _ => 3 };", "pattern => value"),
+        ("fn f(x: i32) -> i32 = match x { 1..3 => 2, _ => 3 };", "guard"),
+        ("fn f(x: i32) -> i32 = match x { x > 3 => 2, _ => 3 };", "behind the pattern"),
+        ("enum E { A; B }", "commas"),
+        ("param x = 1;", "state the type"),
+        ("param x: f32 = 1.0 in 0.0, 2.0;", "lo..hi"),
+        ("fn f(x: Option<f32>) -> f32 = x;", "None => .."),
+        ("fn f(a: [f32; 3]) -> f32 = a.0;", "a[i]"),
+        ("fn f<T>(x: T) -> T = x + x;", "pass a function"),
+        ("fn f(m: mat3, v: vec2) -> vec2 = m * v;", "vec3"),
+        ("fn f(x: f32) -> f32 = null;", "Option"),
+        ("fn f(x: string) -> f32 = 1.0;", "no texts"),
+        ("const A = 1.0f;", "suffix"),
+        ("#define A 1", "const"),
+        ("fn f(x: f32) -> f32 = x.sin();", "sin(value"),
+        ("fn f(x: f32) -> f32 = x.lerp(1.0);", "mix"),
+    ] {
+        let report = check(text).err().unwrap_or_else(|| panic!("{text} is accepted"));
+        let given = report.diagnostics[0].help.clone().unwrap_or_default();
+        assert!(given.contains(help), "{text}: {given}");
+    }
+}

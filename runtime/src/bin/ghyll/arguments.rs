@@ -27,7 +27,8 @@ pub enum Command {
                             ghyll render my.ghyll --dem alps.tif --sun 315,30 -o alps.exr"
     )]
     Render(Box<Render>),
-    /// Look for mistakes only.
+    /// Look for mistakes only, or explain one.
+    #[command(after_help = "Examples:\n  ghyll check my.ghyll\n  ghyll check --explain E0301")]
     Check(Check),
     /// Show what the compiler made.
     #[command(after_help = "Example:\n  ghyll build lang-examples/fib.ghyll --emit table,wgsl")]
@@ -207,7 +208,11 @@ pub struct Render {
 #[derive(Args)]
 pub struct Check {
     /// Program.
-    pub file: PathBuf,
+    #[arg(required_unless_present = "explain", conflicts_with = "explain")]
+    pub file: Option<PathBuf>,
+    /// Explain a diagnostic by its code, with an example and how it is mended.
+    #[arg(long, value_name = "CODE")]
+    pub explain: Option<String>,
     /// Diagnostics as JSON on standard output.
     #[arg(long)]
     pub json: bool,

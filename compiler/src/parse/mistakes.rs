@@ -226,10 +226,10 @@ fn word(p: &Place) -> Option<Diagnostic> {
         Some(p.error(codes::FOREIGN_WORD, offset, offset, title).help(help))
     };
     // Two operands in a row: one of them is a word that joins or begins something elsewhere.
-    if p.at_item() || p.after_operand() {
-        if let Some(diagnostic) = told(0) {
-            return Some(diagnostic);
-        }
+    if (p.at_item() || p.after_operand())
+        && let Some(diagnostic) = told(0)
+    {
+        return Some(diagnostic);
     }
     let follows = p.starts_operand(0) || matches!(p.lexeme(0)?, Lexeme::LBrace | Lexeme::In);
     if follows { told(-1) } else { None }

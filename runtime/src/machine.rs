@@ -95,7 +95,7 @@ impl Job<'_> {
             }
             Machine::Cpu => {
                 let stream = stream::initial(&back.table, back.entry, &self.constants(args)?);
-                Twin::new(&back.table)?.run(&stream, config, self.world())?
+                self.twin(config)?.run(&stream, config, self.world())?
             }
             Machine::Gpu(gpu) => {
                 let mut engine = self.engine(gpu, config, 0)?;
@@ -126,7 +126,7 @@ impl Job<'_> {
                 (data, Stats { total: started.elapsed(), ..Stats::default() })
             }
             Machine::Cpu => {
-                let twin = Twin::new(&back.table)?;
+                let twin = self.twin(config)?;
                 twin.render((width, height), components, back.entry, config, self.world())?
             }
             Machine::Gpu(gpu) => {
@@ -163,8 +163,9 @@ impl Job<'_> {
             prelude = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
             (bound, kept) = (Some(gpu::Scene { layout, group }), Some(terrain));
         }
-        let engine =
+        let mut engine =
             gpu::Engine::with_components(gpu, self.code(prelude), config.clone(), bound, components)?;
+        engine.set_live(&self.live_words(config)?);
         Ok((engine, kept))
     }
 
@@ -208,12 +209,30 @@ impl Job<'_> {
         Ok(constants)
     }
 
+    fn twin(&self, config: &Config) -> Result<Twin, RunError> {
+        let mut twin = Twin::new(&self.compiled.back.table)?;
+        twin.set_live(&self.live_words(config)?);
+        Ok(twin)
+    }
+
+    /// Words of the live parameters, one after the other. Single precision, as if the machine had computed them.
+    pub fn live_words(&self, config: &Config) -> Result<Vec<u32>, RunError> {
+        let module = &self.checked.module;
+        let options = self.oracle_options(oracle::Precision::F32, config);
+        let mut words = Vec::new();
+        for id in &self.compiled.settings.live {
+            let value = oracle::parameter(module, *id, &options, self.world())?;
+            words.extend(value.flatten(&module.params[id.0 as usize].ty, module)?);
+        }
+        Ok(words)
+    }
+
     fn world(&self) -> Option<&dyn World> {
         self.scene.map(|scene| scene as &dyn World)
     }
 
     fn oracle_options(&self, precision: oracle::Precision, config: &Config) -> OracleOptions {
-        let set = self.compiled.settings.set.iter().map(|(id, s)| (*id, s.value.clone())).collect();
+        let set = self.compiled.settings.set.iter().map(|(id, s)| (*id, s.clone())).collect();
         OracleOptions {
             precision,
             timeout: config.timeout,

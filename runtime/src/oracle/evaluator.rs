@@ -187,8 +187,11 @@ impl<'m> Evaluator<'m> {
         }
         let item = &self.module.params[at];
         let set = self.options.set.iter().rev().find(|(param, _)| *param == id);
-        let expr = set.map_or(&item.default, |(_, value)| value);
-        let value = self.item(&item.name, expr, item.locals.len())?;
+        let (expr, locals) = match set {
+            Some((_, setting)) => (&setting.value, &setting.locals),
+            None => (&item.default, &item.locals),
+        };
+        let value = self.item(&item.name, expr, locals.len())?;
         self.params[list][at] = Some(value.clone());
         Ok(value)
     }

@@ -20,7 +20,8 @@ mod tests;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ghyll_compiler::typed::{Expr, FunctionId, Module, ParamId};
+use ghyll_compiler::lower::Setting;
+use ghyll_compiler::typed::{FunctionId, Module, ParamId};
 use rayon::prelude::*;
 
 pub use self::float::Precision;
@@ -41,7 +42,7 @@ pub struct OracleOptions {
     /// [`STACK_SCALE`] times that.
     pub max_memory: u64,
     /// Values of parameters that replace their defaults; the last one counts.
-    pub set: Vec<(ParamId, Expr)>,
+    pub set: Vec<(ParamId, Setting)>,
     /// Threads for images; none means one for each core.
     pub threads: Option<usize>,
 }
@@ -79,11 +80,32 @@ pub fn evaluate(
     options: &OracleOptions,
     world: Option<&dyn World>,
 ) -> Result<Value, RunError> {
+    on_large_stack(module, options, world, |oracle| entry_value(oracle, entry, args))
+}
+
+/// Value of a parameter: what the options set, else its default.
+pub fn parameter(
+    module: &Module,
+    id: ParamId,
+    options: &OracleOptions,
+    world: Option<&dyn World>,
+) -> Result<Value, RunError> {
+    on_large_stack(module, options, world, |oracle| {
+        let value = oracle.param(id)?;
+        convert::to_value(&value, &module.params[id.0 as usize].ty, module)
+    })
+}
+
+/// Evaluates on a thread whose stack is as large as allowed.
+fn on_large_stack<'m>(
+    module: &'m Module,
+    options: &'m OracleOptions,
+    world: Option<&'m dyn World>,
+    work: impl Fn(&mut Evaluator<'m>) -> Result<Value, RunError> + Sync,
+) -> Result<Value, RunError> {
     let start = Instant::now();
-    let run = |stack: usize| {
-        let mut oracle = Evaluator::new(module, options, world, start, stack);
-        entry_value(&mut oracle, entry, args)
-    };
+    let run = |stack: usize| work(&mut Evaluator::new(module, options, world, start, stack));
+    let run = &run;
     thread::scope(|scope| {
         for size in stack_sizes(options.max_memory) {
             let builder = thread::Builder::new().name("oracle".into()).stack_size(size);

@@ -140,8 +140,24 @@ fn read_plain(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain,
     let by_magic = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, read)| read);
     let by_name = || ENDINGS.iter().find(|(e, _)| *e == ending).map(|(_, read)| read);
     match by_magic.or_else(by_name) {
-        Some(read) => read(file, bytes, options),
+        Some(read) => applied(file, read(file, bytes, options)?, options),
         None => Err(DemError::UnknownFormat { file: file.to_owned() }),
+    }
+}
+
+/// Refuses options that say something about another kind of file.
+fn applied(file: &str, terrain: Terrain, options: &DemOptions) -> Result<Terrain, DemError> {
+    let format = &terrain.format;
+    let unused = if options.heights.is_some() && !format.ends_with("grey") {
+        Some(("its numbers have a meaning of their own", "leave --heights out; it is for grey images"))
+    } else if options.encoding.is_some() && !format.starts_with("PNG") {
+        Some(("it packs no heights in colours", "leave --encoding out; it is for PNG images"))
+    } else {
+        None
+    };
+    match unused {
+        Some((what, mend)) => Err(DemError::unsupported(file, format!("it is {format}: {what}"), mend)),
+        None => Ok(terrain),
     }
 }
 

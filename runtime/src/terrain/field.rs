@@ -82,7 +82,12 @@ impl Terrain {
 
     /// Mount Fuji, 512 x 512 samples (`lang-examples/data/README.md`).
     pub fn builtin() -> Terrain {
-        dem::read("fuji.tif", BUILTIN, &DemOptions::default()).expect("the embedded file is read by a test")
+        Terrain::builtin_as(&DemOptions::default()).expect("the embedded file is read by a test")
+    }
+
+    /// The built-in field read as the options say.
+    pub fn builtin_as(options: &DemOptions) -> Result<Terrain, DemError> {
+        dem::read("the built-in field", BUILTIN, options)
     }
 
     /// A field of the given heights in metres, rows from south to north; what is not finite is a void.

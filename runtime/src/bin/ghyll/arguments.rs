@@ -99,9 +99,9 @@ pub struct Machine {
     /// algorithm.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     pub depth: Option<u32>,
-    /// Tokens in a block.
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(32..=4096))]
-    pub block: u32,
+    /// Tokens in a block; 512 if absent.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(32..=4096))]
+    pub block: Option<u32>,
     /// Invocations in a workgroup; threads on the CPU.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
@@ -182,7 +182,7 @@ pub struct Render {
     #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = dimensions)]
     pub size: [u32; 2],
     /// Named view that frames any field.
-    #[arg(long, value_name = "NAME", default_value = "overview",
+    #[arg(long, value_name = "NAME", default_value = "overview", conflicts_with = "eye",
           value_parser = ["overview", "topdown", "north", "south", "east", "west"])]
     pub view: String,
     /// Camera position in world metres.

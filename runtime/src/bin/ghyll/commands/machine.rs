@@ -15,6 +15,7 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
     };
     let options = GpuOptions { adapter: arguments.adapter.clone(), validate_indirect: arguments.checked };
     let machine = Machine::open(wanted, &options).map_err(|e| Failure::Usage(e.to_string()))?;
+    note_ignored(arguments, &machine);
     let config = Config {
         rewriter: match arguments.rewriter {
             arguments::Rewriter::Auto => Rewriter::Auto,
@@ -22,7 +23,7 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
             arguments::Rewriter::Lane => Rewriter::Lane,
         },
         depth: arguments.depth,
-        block: arguments.block,
+        block: arguments.block.unwrap_or(Config::default().block),
         threads: arguments.threads.map(|n| n as usize),
         max_memory: arguments.max_memory,
         max_rewrites: arguments.max_rewrites,
@@ -30,4 +31,22 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
         trusted: !arguments.checked,
     };
     Ok((machine, config))
+}
+
+/// Says which options mean nothing to the machine that was picked.
+fn note_ignored(arguments: &arguments::Machine, machine: &Machine) {
+    let off_gpu = [("--adapter", arguments.adapter.is_some()), ("--checked", arguments.checked)];
+    let no_stream = [
+        ("--rewriter", arguments.rewriter != arguments::Rewriter::Auto),
+        ("--depth", arguments.depth.is_some()),
+        ("--block", arguments.block.is_some()),
+    ];
+    let ignored: &[&[(&str, bool)]] = match machine {
+        Machine::Gpu(_) => &[],
+        Machine::Cpu => &[&off_gpu],
+        Machine::Oracle(_) => &[&off_gpu, &no_stream],
+    };
+    for (option, _) in ignored.iter().copied().flatten().filter(|(_, given)| *given) {
+        eprintln!("{option} has no effect here: the program runs on the {}", machine.describe());
+    }
 }

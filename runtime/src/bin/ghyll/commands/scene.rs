@@ -3,7 +3,7 @@
 use crate::arguments::{Reading, Render, Terrain as TerrainArguments};
 use crate::failure::Failure;
 use ghyll_runtime::terrain::{
-    DemOptions, Encoding, NAMED_FOV, NamedView, Scene, SceneOptions, Sun, Terrain, View, Voids,
+    DemError, DemOptions, Encoding, NAMED_FOV, NamedView, Scene, SceneOptions, Sun, Terrain, View, Voids,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -18,14 +18,15 @@ fn encoding(name: &str) -> Option<Encoding> {
 }
 
 pub fn open(path: Option<&Path>, reading: &Reading) -> Result<Terrain, Failure> {
-    let Some(path) = path else { return Ok(Terrain::builtin()) };
     let options = DemOptions {
         spacing: reading.spacing,
         heights: reading.heights,
         encoding: reading.encoding.as_deref().and_then(encoding),
         voids: if reading.voids == "fill" { Voids::Fill } else { Voids::Hole },
     };
-    let terrain = Terrain::open(path, &options).map_err(|e| Failure::Input(e.to_string()))?;
+    let wrong = |e: DemError| Failure::Input(e.to_string());
+    let Some(path) = path else { return Terrain::builtin_as(&options).map_err(wrong) };
+    let terrain = Terrain::open(path, &options).map_err(wrong)?;
     note_assumptions(&path.display(), &terrain, reading);
     Ok(terrain)
 }

@@ -4,8 +4,11 @@ use super::{checked, compiled, read};
 use crate::arguments::Trace;
 use crate::failure::Failure;
 use ghyll_compiler::compile::EntryKind;
-use ghyll_compiler::interpret::{NoHost, Stopped};
+use ghyll_compiler::core::{Const, Intrinsic};
+use ghyll_compiler::interpret::{Host, Stopped};
 use ghyll_compiler::stream;
+use ghyll_runtime::config::Config;
+use ghyll_runtime::machine::Job;
 
 /// Steps inside fused functions, all rounds together.
 const FUEL: u64 = 1 << 30;
@@ -15,10 +18,12 @@ pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Value))?;
     let args = super::run::arguments(&checked, &compiled, &arguments.args, arguments.program.json)?;
     let words = super::run::constants(&checked, &compiled, &args)?;
+    let job = Job { checked: &checked, compiled: &compiled, scene: None };
+    let host = LiveWords(job.live_words(&Config::default()).map_err(Failure::run)?);
     let back = &compiled.back;
     let first = stream::initial(&back.table, back.entry, &words);
     let mut last = first.clone();
-    let streams = stream::rounds(&back.table, first, &NoHost, FUEL);
+    let streams = stream::rounds(&back.table, first, &host, FUEL);
     for (at, stream) in streams.take(arguments.rounds).enumerate() {
         let stream = stream.map_err(|why| Failure::Run(explained(&why)))?;
         crate::report::line!("s{at}: {}", stream::print(&back.table, &stream));
@@ -31,6 +36,19 @@ pub fn trace(arguments: &Trace) -> Result<(), Failure> {
         "the program was not finished after {} streams; show more with --rounds",
         arguments.rounds
     )))
+}
+
+/// A host that knows the live parameters, and no scene.
+struct LiveWords(Vec<u32>);
+
+impl Host for LiveWords {
+    fn intrinsic(&self, _: Intrinsic, _: &[Const]) -> Option<Vec<Const>> {
+        None
+    }
+
+    fn live(&self, word: u32) -> Option<u32> {
+        self.0.get(word as usize).copied()
+    }
 }
 
 fn explained(why: &Stopped) -> String {

@@ -1,0 +1,45 @@
+//! `--set` and `--live`.
+
+use crate::support::{Folder, machines};
+
+const PROGRAM: &str = "
+    param gain: i32 = 6;
+    param at: vec2 = vec2(1.0, 2.0);
+    param op: fn(i32) -> i32 = same;
+    fn same(x: i32) -> i32 = x;
+    fn main(x: i32) -> (i32, f32) = (op(x) * gain, at.y);
+    fn pixel(p: vec2) -> f32 = f32(gain) * at.y;
+";
+
+#[test]
+fn live_parameters_have_their_values_everywhere() {
+    let folder = Folder::new("live_parameters");
+    folder.write("p.ghyll", PROGRAM);
+    for machine in machines() {
+        let run = |more: &str| {
+            let line = format!("run p.ghyll --on {machine} {more}");
+            folder.ghyll(&line).printed().to_owned()
+        };
+        assert_eq!(run("--live gain --live at -- 2"), "(12, 2.0)", "{machine}");
+        assert_eq!(run("--live gain --set gain=-7 -- 2"), "(-14, 2.0)", "{machine}");
+        assert_eq!(run("--live at --set at=vec2(0,0.5) --live gain -- 1"), "(6, 0.5)", "{machine}");
+        assert_eq!(run("--set gain=5 -- 2"), "(10, 2.0)", "{machine}");
+
+        folder
+            .ghyll(&format!("render p.ghyll --on {machine} --live gain --live at --size 2x1 -o p.npy"))
+            .printed();
+        let bytes = std::fs::read(folder.path("p.npy")).unwrap();
+        assert_eq!(bytes[bytes.len() - 4..], 12f32.to_le_bytes(), "{machine}");
+    }
+    assert!(folder.ghyll("trace p.ghyll --live gain -- 2").printed().ends_with("12 2.0"));
+}
+
+#[test]
+fn what_is_set_may_bind_names() {
+    let folder = Folder::new("set_binds_names");
+    folder.write("p.ghyll", PROGRAM);
+    for machine in machines() {
+        let set = ["run", "p.ghyll", "--on", machine, "--set", "op=|x| { let y = x + 1; y * y }", "--", "2"];
+        assert_eq!(folder.ghyll_with(&set).printed(), "(54, 2.0)", "{machine}");
+    }
+}

@@ -225,8 +225,10 @@ fn parameters_can_be_set() {
     let text = "param k: i32 = 2; const TWICE = 2 * 21; fn main() -> i32 = k * TWICE;";
     let checked = check(text);
     let entry = checked.module.function("main").expect("main is there");
-    let other = check("param k: i32 = 5; fn main() -> i32 = k;").module.params[0].default.clone();
-    let set = vec![(ghyll_compiler::typed::ParamId(0), other)];
+    let other = check("param k: i32 = { let a = 2; let b = 3; a + b }; fn main() -> i32 = k;");
+    let param = other.module.params[0].clone();
+    let setting = ghyll_compiler::lower::Setting { value: param.default, locals: param.locals };
+    let set = vec![(ghyll_compiler::typed::ParamId(0), setting)];
     let mut options = OracleOptions::default();
     assert_eq!(evaluate(&checked.module, entry, &[], &options, None), Ok(Value::I32(84)));
     options.set = set;

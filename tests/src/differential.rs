@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(found.mode, Mode::CpuAuto);
         assert!(found.told.contains("1.0000001"), "{}", found.told);
         assert!(found.text.contains("fold("));
-        assert!(found.text.len() < 2400, "not shrunk: {}", found.text);
+        assert!(found.text.len() < 1200, "not shrunk: {}", found.text);
     }
 
     #[test]

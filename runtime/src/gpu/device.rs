@@ -1,8 +1,9 @@
 //! Adapter and device: what is asked for, once.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::error::GpuError;
+use super::pipelines::Kept;
 
 #[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
@@ -31,6 +32,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     info: Info,
     lost: Arc<Mutex<Option<String>>>,
+    kept: Arc<Mutex<Kept>>,
 }
 
 fn instance(options: &GpuOptions) -> wgpu::Instance {
@@ -121,7 +123,7 @@ impl Gpu {
         device.set_device_lost_callback(move |reason, text| note(&slot, format!("{reason:?}: {text}")));
         let slot = lost.clone();
         device.on_uncaptured_error(Arc::new(move |error| note(&slot, error.to_string())));
-        Gpu { device, queue, info, lost }
+        Gpu { device, queue, info, lost, kept: Arc::default() }
     }
 
     pub fn info(&self) -> &Info {
@@ -131,6 +133,11 @@ impl Gpu {
     /// Why the device is of no more use, if so.
     pub fn lost(&self) -> Option<String> {
         self.lost.lock().ok().and_then(|lost| lost.clone())
+    }
+
+    /// Pipelines for engines to come.
+    pub(super) fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Loop turns that an invocation may make in all; llvmpipe ends loops silently beyond 65535.

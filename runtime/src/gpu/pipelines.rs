@@ -1,7 +1,7 @@
 //! Bind group layouts, and pipelines compiled when first used.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
 use super::buffers::Buffers;
@@ -22,6 +22,37 @@ pub struct Pipelines {
     ready: BTreeMap<Kernel, wgpu::ComputePipeline>,
     /// Time spent compiling.
     pub compiling: Duration,
+}
+
+/// The pipelines a device has used last. Most kernels do not depend on the program, and the same program is often
+/// run again under another configuration, so engines share them.
+#[derive(Default)]
+pub struct Kept(VecDeque<(Identity, wgpu::ComputePipeline)>);
+
+/// What makes two pipelines the same.
+#[derive(PartialEq)]
+struct Identity {
+    kernel: Kernel,
+    trusted: bool,
+    text: String,
+}
+
+/// How many pipelines are kept for engines to come.
+const KEPT: usize = 64;
+
+impl Kept {
+    fn find(&mut self, wanted: &Identity) -> Option<wgpu::ComputePipeline> {
+        let index = self.0.iter().position(|(known, _)| known == wanted)?;
+        let found = self.0.remove(index)?;
+        let pipeline = found.1.clone();
+        self.0.push_front(found);
+        Some(pipeline)
+    }
+
+    fn keep(&mut self, identity: Identity, pipeline: wgpu::ComputePipeline) {
+        self.0.push_front((identity, pipeline));
+        self.0.truncate(KEPT);
+    }
 }
 
 /// Bind groups of the rewriter; made anew when buffers grow.
@@ -114,7 +145,7 @@ impl Pipelines {
         layouts
     }
 
-    /// Compiles the kernel; false if that had been done.
+    /// Compiles the kernel; false if that had been done, by this engine or another.
     pub fn prepare(
         &mut self,
         gpu: &Gpu,
@@ -126,9 +157,23 @@ impl Pipelines {
             return Ok(false);
         }
         let start = Instant::now();
-        let text = source(kernel, shape, code)?;
+        let identity = Identity { kernel, trusted: self.trusted, text: source(kernel, shape, code)? };
+        let (pipeline, made) = match gpu.kept().find(&identity) {
+            Some(pipeline) => (pipeline, false),
+            None => (self.compile(gpu, &identity)?, true),
+        };
+        if made {
+            gpu.kept().keep(identity, pipeline.clone());
+        }
+        self.ready.insert(kernel, pipeline);
+        self.compiling += start.elapsed();
+        Ok(made)
+    }
+
+    fn compile(&self, gpu: &Gpu, wanted: &Identity) -> Result<wgpu::ComputePipeline, RunError> {
+        let kernel = wanted.kernel;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = self.module(&gpu.device, kernel, text);
+        let module = self.module(&gpu.device, kernel, &wanted.text);
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(kernel.name()),
             bind_group_layouts: &self.bindings(kernel),
@@ -146,18 +191,16 @@ impl Pipelines {
             },
             cache: None,
         });
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(RunError::Shader(format!("{}: {error}", kernel.name())));
+        match pollster::block_on(scope.pop()) {
+            Some(error) => Err(RunError::Shader(format!("{}: {error}", kernel.name()))),
+            None => Ok(pipeline),
         }
-        self.ready.insert(kernel, pipeline);
-        self.compiling += start.elapsed();
-        Ok(true)
     }
 
-    fn module(&self, device: &wgpu::Device, kernel: Kernel, text: String) -> wgpu::ShaderModule {
+    fn module(&self, device: &wgpu::Device, kernel: Kernel, text: &str) -> wgpu::ShaderModule {
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(kernel.name()),
-            source: wgpu::ShaderSource::Wgsl(Cow::Owned(text)),
+            source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(text)),
         };
         match self.trusted {
             true => trusted_module(device, descriptor),

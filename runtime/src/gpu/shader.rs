@@ -68,12 +68,15 @@ impl Kernel {
 /// Tasks up to which the arities are part of the code; beyond, they are read from a table.
 const INLINE_TASKS: usize = 32;
 
+/// Reads the arity of `task` from memory.
+const ARITY: &str = "return tables[task];";
+
 /// WGSL that returns the arity of `task`: eight to a word where they fit, as a read from memory is dear.
 fn arity(shape: &Shape, code: &Code) -> String {
     let mut arities = code.arities.clone();
     arities.push(shape.components + 1);
     if arities.len() > INLINE_TASKS || arities.iter().any(|arity| *arity > 15) {
-        return "return tables[task];".to_owned();
+        return ARITY.to_owned();
     }
     let pack = |group: &[u32]| group.iter().rev().fold(0u32, |word, arity| word << 4 | arity);
     let mut text = "var word = 0u;".to_owned();
@@ -110,8 +113,9 @@ fn window(shape: &Shape) -> Result<String, RunError> {
 
 /// The whole WGSL of a kernel.
 pub fn source(kernel: Kernel, shape: &Shape, code: &Code) -> Result<String, RunError> {
-    let header = shape.header();
-    let stream = fill(STREAM, "ARITY", &arity(shape, code))?;
+    let header = shape.header(kernel.runs_code());
+    let arity = if kernel.runs_code() { arity(shape, code) } else { ARITY.to_owned() };
+    let stream = fill(STREAM, "ARITY", &arity)?;
     let mut parts: Vec<&str> = vec![&header, &stream];
     let window = window(shape)?;
     let store = if shape.components == 0 { NO_STORE } else { STORE };

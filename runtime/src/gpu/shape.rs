@@ -61,7 +61,8 @@ impl Shape {
             return Err(RunError::ArityTooLong { arity, limit: LONGEST_BLOCK / 8 });
         }
         let wide = config.rewriter == Rewriter::Block || components != 0;
-        let window = if wide { least } else { least.max(64) }.min(block - 3);
+        // In few sizes, so that programs can share kernels.
+        let window = if wide { least } else { least.max(64) }.next_multiple_of(32).min(block - 3);
         Ok(Shape {
             block,
             window,
@@ -96,22 +97,27 @@ impl Shape {
         8 + self.output() + self.output().div_ceil(32)
     }
 
-    /// The constants that the shaders expect.
-    pub fn header(&self) -> String {
-        let constants = [
+    /// The constants that the shaders expect. Kernels without the program's code are told nothing of it, so that
+    /// most programs can share them.
+    pub fn header(&self, runs_code: bool) -> String {
+        let mut constants = vec![
             ("BLOCK", self.block),
             ("OUTPUT", self.output()),
-            ("WINDOW", self.window),
-            ("EMISSION", self.emission),
             ("LANES", self.lanes),
             ("GROUP", self.group),
-            ("TASKS", self.tasks),
-            ("COMPONENTS", self.components),
-            ("BURST", self.burst),
             ("EXPAND", self.expand),
-            ("PULL", self.pull),
             ("GRID", GRID),
         ];
+        if runs_code {
+            constants.extend([
+                ("WINDOW", self.window),
+                ("EMISSION", self.emission),
+                ("TASKS", self.tasks),
+                ("COMPONENTS", self.components),
+                ("BURST", self.burst),
+                ("PULL", self.pull),
+            ]);
+        }
         constants.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect()
     }
 }

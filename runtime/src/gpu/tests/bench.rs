@@ -1,5 +1,6 @@
 //! Timings for docs/performance.md: `cargo test --release gpu::tests::bench -- --ignored --nocapture`.
 
+use super::super::shader::Kernel;
 use super::super::shape::{Shape, Windows};
 use super::super::*;
 use super::programs::{fib, gpu};
@@ -205,5 +206,35 @@ fn picture_by_lanes_and_directly() {
             "{:26} median {wall:7.2} ms, processor {processor:7.2} ms, {} submissions, share {}",
             variant.0, submissions[index], engines[index].pixel_share
         );
+    }
+}
+
+#[test]
+#[ignore = "a measurement, not a test"]
+fn compiling_by_kernel() {
+    let Some(gpu) = gpu() else { return };
+    for trusted in [true, false] {
+        let config = Config { trusted, ..Config::default() };
+        let mut engine = Engine::new(&gpu, fib(), config, None).unwrap();
+        let state = engine.load(&FIB_27).unwrap();
+        for kernel in [Kernel::Decode, Kernel::Execute, Kernel::Allocate, Kernel::Splice] {
+            let before = processor_time();
+            engine.prepare(&[kernel]).unwrap();
+            let prepared = processor_time();
+            engine.write(&engine.params(), &state);
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            engine.bind(&mut pass, kernel);
+            pass.dispatch_workgroups(1, 1, 1);
+            drop(pass);
+            gpu.queue.submit([encoder.finish()]);
+            gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+            println!(
+                "{:12} trusted {trusted}: processor {:4.0} ms to prepare, {:4.0} ms at the first dispatch",
+                kernel.name(),
+                (prepared - before) * 1e3,
+                (processor_time() - prepared) * 1e3
+            );
+        }
     }
 }

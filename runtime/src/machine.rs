@@ -61,6 +61,16 @@ impl Machine {
             Machine::Oracle(_) => "oracle, double precision".into(),
         }
     }
+
+    /// Why it is this one, for people: what was `wanted` and what was found.
+    pub fn reason(&self, wanted: Wanted) -> &'static str {
+        match (wanted, self) {
+            (Wanted::Auto, Machine::Gpu(gpu)) if gpu.info().software => "no hardware adapter was found",
+            (Wanted::Auto, Machine::Gpu(_)) => "the best adapter found",
+            (Wanted::Auto, _) => "no GPU adapter was found; `ghyll info` says what to install",
+            _ => "as asked for",
+        }
+    }
 }
 
 /// A program with the scene it may look at.

@@ -37,10 +37,16 @@ impl Folder {
     }
 
     pub fn ghyll_with(&self, arguments: &[&str]) -> Ended {
+        self.ghyll_in(&[], arguments)
+    }
+
+    /// Runs `ghyll` with these environment variables added.
+    pub fn ghyll_in(&self, environment: &[(&str, &str)], arguments: &[&str]) -> Ended {
         let output = Command::new(env!("CARGO_BIN_EXE_ghyll"))
             .args(arguments)
             .current_dir(&self.0)
             .env("GALLIVM_PERF", "nopt")
+            .envs(environment.iter().copied())
             .output()
             .expect("the binary runs");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();

@@ -6,13 +6,22 @@ use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::gpu::GpuOptions;
 use ghyll_runtime::machine::{Machine, Wanted};
 
-pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure> {
-    let wanted = match arguments.on {
+fn wanted(arguments: &arguments::Machine) -> Wanted {
+    match arguments.on {
         On::Auto => Wanted::Auto,
         On::Gpu => Wanted::Gpu,
         On::Cpu => Wanted::Cpu,
         On::Oracle => Wanted::Oracle,
-    };
+    }
+}
+
+/// Why the program runs on this machine.
+pub fn reason(arguments: &arguments::Machine, machine: &Machine) -> &'static str {
+    machine.reason(wanted(arguments))
+}
+
+pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure> {
+    let wanted = wanted(arguments);
     let options = GpuOptions { adapter: arguments.adapter.clone(), validate_indirect: arguments.checked };
     let machine = Machine::open(wanted, &options).map_err(|e| Failure::Usage(e.to_string()))?;
     note_ignored(arguments, &machine);

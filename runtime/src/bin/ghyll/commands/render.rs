@@ -43,7 +43,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Image))?;
     let scene = scene::of_render(arguments)?;
     let (machine, config) = machine::open(&arguments.machine)?;
-    eprintln!("rendering on {}", machine.describe());
+    eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
 
     let [width, height] = arguments.size;
     let progress = report::Progress::start("rendering");

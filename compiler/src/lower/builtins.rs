@@ -14,6 +14,9 @@ impl<'m> Lower<'m> {
         if let Some(prim) = componentwise(builtin) {
             return self.componentwise(prim, &at.args);
         }
+        if let Some(place) = at.args.iter().position(|a| matches!(a, Value::Choice(..) | Value::Never)) {
+            return self.builtin_of_choice(builtin, at, place);
+        }
         let args = &at.args;
         match builtin {
             Builtin::Degrees => self.scaled(&args[0], 57.295_78),
@@ -76,6 +79,18 @@ impl<'m> Lower<'m> {
         }
     }
 
+    /// A built-in that takes a function, of which only the machine knows which: the choice is made before.
+    fn builtin_of_choice(&mut self, builtin: Builtin, at: Application<'_, 'm>, place: usize) -> Value<'m> {
+        let Value::Choice(candidates, tag, payload) = at.args[place].clone() else {
+            return self.placeholder(at.result);
+        };
+        self.dispatch((&candidates, tag, &payload), at.result, at.span, &mut |l, candidate| {
+            let mut at = at.clone();
+            at.args[place] = candidate;
+            l.builtin(builtin, at)
+        })
+    }
+
     fn intrinsic(&mut self, intrinsic: Intrinsic, args: &[Value<'m>], result: &Type) -> Value<'m> {
         let operands: Vec<Atom> = args.iter().flat_map(Value::components).collect();
         let words = self.emit(Op::Intrinsic(intrinsic, operands), intrinsic.results());
@@ -111,7 +126,7 @@ impl<'m> Lower<'m> {
                 let definition = &self.module.functions[id.0 as usize];
                 (&definition.params[..], &definition.body, None)
             }
-            Closure::Lambda { params, body, captures, .. } => (*params, *body, Some(captures)),
+            Closure::Lambda(lambda) => (lambda.params, lambda.body, Some(&lambda.captures)),
             _ => return None,
         };
         let mut body = body;
@@ -128,9 +143,9 @@ impl<'m> Lower<'m> {
         match &callee.kind {
             ExprKind::Builtin(builtin) => Some(*builtin),
             ExprKind::Function(id, types) => {
-                self.surface(&super::expr::function(Closure::Function(*id, types.clone())))
+                self.surface(&Value::function(Closure::Function(*id, types.clone())))
             }
-            ExprKind::Local(id) => self.surface(captures?.get(id)?),
+            ExprKind::Local(id) => self.surface(&captures?.iter().find(|c| c.local == *id)?.value),
             _ => None,
         }
     }

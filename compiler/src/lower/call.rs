@@ -1,19 +1,69 @@
 //! Calls: of functions by specialisation, of lambdas by putting their body in place.
 
+use super::shape::Shape;
 use super::value::{Closure, Value};
 use super::{Env, INLINE_DEPTH_LIMIT, Lower, unsupported};
-use crate::core::Op;
+use crate::core::Atom;
 use crate::layout;
 use crate::source::Span;
 use crate::typed::{Expr, ExprKind, FunctionId, LocalId, Type};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// One application: arguments, the type of the result, the place.
+/// One application: arguments and their types, the type of the result, the place.
+#[derive(Clone)]
 pub(super) struct Application<'a, 'm> {
     pub args: Vec<Value<'m>>,
+    pub params: &'a [Type],
     pub result: &'a Type,
     pub span: Span,
+}
+
+/// What is called.
+#[derive(Clone)]
+pub(super) enum Callee<'m> {
+    Function(FunctionId, Vec<Type>),
+    /// A lambda, or a choice between functions.
+    Value(Value<'m>),
+}
+
+/// A body that is being lowered, and what it was entered with.
+pub(super) struct Frame {
+    head: Head,
+    shapes: Vec<Shape>,
+    words: Vec<Atom>,
+}
+
+#[derive(PartialEq)]
+enum Head {
+    Function(FunctionId, Vec<Type>),
+    Value(Shape),
+}
+
+impl Frame {
+    pub fn of(callee: &Callee, at: &Application) -> Frame {
+        let mut words = Vec::new();
+        let mut shapes: Vec<Shape> =
+            at.args.iter().map(|a| super::words::dissect_any(a, &mut words)).collect();
+        let head = match callee {
+            Callee::Function(id, types) => Head::Function(*id, types.clone()),
+            Callee::Value(value) => {
+                shapes.push(super::words::dissect_any(value, &mut words));
+                Head::Value(super::choice::head(value))
+            }
+        };
+        Frame { head, shapes, words }
+    }
+
+    /// Does a call from inside this body to the same body bring anything new that is known now? If not, putting the body
+    /// in place would never end.
+    fn leads_on_to(&self, next: &Frame) -> bool {
+        let is_new = |(a, b): (&Atom, &Atom)| match (a, b) {
+            (Atom::Const(a), Atom::Const(b)) => a != b,
+            _ => false,
+        };
+        self.shapes != next.shapes || self.words.iter().zip(&next.words).any(is_new)
+    }
 }
 
 impl<'m> Lower<'m> {
@@ -25,9 +75,10 @@ impl<'m> Lower<'m> {
         env: &mut Env<'m>,
     ) -> Value<'m> {
         let callee = self.expr(callee, env);
+        let params: Vec<Type> = args.iter().map(|a| env.ty(&a.ty)).collect();
         let args = args.iter().map(|a| self.expr(a, env)).collect();
         let result = env.ty(&expr.ty);
-        let at = Application { args, result: &result, span: expr.span };
+        let at = Application { args, params: &params, result: &result, span: expr.span };
         self.apply(&callee, at)
     }
 
@@ -35,11 +86,14 @@ impl<'m> Lower<'m> {
         if self.too_large() {
             return self.placeholder(at.result);
         }
-        let Value::Function(closure) = callee else {
-            unreachable!("the front end checked the callee's type")
+        let closure = match callee {
+            Value::Function(closure) => closure,
+            Value::Choice(..) => return self.invoke(Callee::Value(callee.clone()), at),
+            Value::Never => return self.placeholder(at.result),
+            _ => unreachable!("the front end checked the callee's type"),
         };
         match &**closure {
-            Closure::Function(id, types) => self.call_function(*id, types, at),
+            Closure::Function(id, types) => self.invoke(Callee::Function(*id, types.clone()), at),
             Closure::Builtin(builtin) => self.builtin(*builtin, at),
             Closure::Variant(tag) => Value::Variant(*tag, at.args),
             Closure::Struct => Value::Group(at.args),
@@ -53,51 +107,76 @@ impl<'m> Lower<'m> {
                 ));
                 self.placeholder(at.result)
             }
-            Closure::Lambda { params, body, captures, types } => {
-                let mut env = Env { locals: captures.clone(), types: types.clone() };
-                self.locals_bound(&mut env, params, at.args);
-                self.inline(body, &mut env, at.span, at.result)
-            }
+            Closure::Lambda(_) => self.invoke(Callee::Value(callee.clone()), at),
         }
     }
 
-    fn call_function(&mut self, id: FunctionId, types: &[Type], at: Application<'_, 'm>) -> Value<'m> {
-        let definition = &self.module.functions[id.0 as usize];
-        let Some(results) = layout::scalars(self.module, at.result) else {
-            // A function that yields functions is known only by its body.
-            let mut env = Env { locals: Default::default(), types: Rc::new(types.to_vec()) };
-            self.locals_bound(&mut env, &definition.params, at.args);
-            return self.inline(&definition.body, &mut env, at.span, at.result);
+    /// Calls a specialisation or puts the body in place. Lambdas and what yields functions are put in place where that
+    /// ends, so that more is known after the call; functions that only the machine knows are called, which keeps the
+    /// tests of the tag in one place.
+    fn invoke(&mut self, callee: Callee<'m>, at: Application<'_, 'm>) -> Value<'m> {
+        let first_order = layout::scalars(self.module, at.result).is_some();
+        let apart = match &callee {
+            Callee::Function(id, _) => first_order || self.module.functions[id.0 as usize].attributes.task,
+            Callee::Value(value) => first_order && matches!(value, Value::Choice(..)),
         };
-        let (id, words) = self.specialise(id, types.to_vec(), at.args, at.span);
-        let words = self.emit(Op::Call(id, words), &results);
-        self.unflatten(at.result, &mut words.into_iter())
+        let frame = Frame::of(&callee, &at);
+        let goes_round = |f: &Frame| !f.leads_on_to(&frame);
+        if apart
+            || self.frames.len() > INLINE_DEPTH_LIMIT
+            || self.frames.iter().rev().find(|f| f.head == frame.head).is_some_and(goes_round)
+        {
+            return self.call_specialised(&callee, &at);
+        }
+        self.frames.push(frame);
+        let value = match &callee {
+            Callee::Function(id, types) => self.enter_function(*id, types, at.args),
+            Callee::Value(value) => self.enter(value, at),
+        };
+        self.frames.pop();
+        value
     }
 
-    fn inline(&mut self, body: &'m Expr, env: &mut Env<'m>, span: Span, result: &Type) -> Value<'m> {
-        if self.inlined == INLINE_DEPTH_LIMIT {
-            self.error(unsupported(
-                "E0901",
-                span,
-                "recursion through function values chosen at run time is not supported yet",
-                "let a top-level function call itself and pass plain values",
-            ));
-            return self.placeholder(result);
+    /// The body of a top-level function, here.
+    pub(super) fn enter_function(
+        &mut self,
+        id: FunctionId,
+        types: &[Type],
+        args: Vec<Value<'m>>,
+    ) -> Value<'m> {
+        let definition = &self.module.functions[id.0 as usize];
+        let mut env = Env { locals: BTreeMap::new(), types: Rc::new(types.to_vec()) };
+        env.bind(&definition.params, args);
+        self.expr(&definition.body, &mut env)
+    }
+
+    /// The body of a lambda, or the tests that find the function that is called, here.
+    pub(super) fn enter(&mut self, callee: &Value<'m>, at: Application<'_, 'm>) -> Value<'m> {
+        match callee {
+            Value::Choice(candidates, tag, payload) => {
+                self.dispatch((candidates, *tag, payload), at.result, at.span, &mut |l, candidate| {
+                    l.apply(&candidate, at.clone())
+                })
+            }
+            Value::Function(closure) => {
+                let lambda = closure.lambda().expect("other functions have no body");
+                let locals = lambda.captures.iter().map(|c| (c.local, c.value.clone())).collect();
+                let mut env = Env { locals, types: lambda.types.clone() };
+                env.bind(lambda.params, at.args);
+                self.expr(lambda.body, &mut env)
+            }
+            _ => unreachable!("only functions are called"),
         }
-        self.inlined += 1;
-        let value = self.expr(body, env);
-        self.inlined -= 1;
-        value
     }
 }
 
-/// Every local that `expr` mentions.
-pub(super) fn free_locals(expr: &Expr, found: &mut BTreeSet<LocalId>) {
+/// Every local that `expr` mentions, and its type.
+pub(super) fn free_locals<'m>(expr: &'m Expr, found: &mut BTreeMap<LocalId, &'m Type>) {
     let mut pending = vec![expr];
     while let Some(expr) = pending.pop() {
         match &expr.kind {
             ExprKind::Local(id) => {
-                found.insert(*id);
+                found.insert(*id, &expr.ty);
             }
             ExprKind::Literal(_)
             | ExprKind::Const(_)

@@ -29,7 +29,7 @@ impl<'m> Lower<'m> {
     fn computed(&mut self, id: ConstId) -> Option<Value<'m>> {
         let definition = &self.module.consts[id.0 as usize];
         let results = layout::scalars(self.module, &definition.ty)?;
-        let mut apart = Lower::new(self.module, self.settings);
+        let mut apart = Lower::new(self.module, self.settings, self.yields.clone());
         apart.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
         apart.functions.push(None);
         let value = apart.expr(&definition.value, &mut Env::default());
@@ -52,6 +52,11 @@ impl<'m> Lower<'m> {
             span: Some(definition.span),
         });
         apart.drain().ok()?;
+        if apart.grown {
+            self.grown = true;
+            self.yields = apart.yields;
+            return None;
+        }
         let functions = apart.functions.into_iter().collect::<Option<Vec<_>>>()?;
         let program = Program { functions, entry: 0, live: Vec::new() };
         let words = interpret::run(&program, &[], &NoHost, FUEL).ok()?;
@@ -66,6 +71,6 @@ fn only_constants(value: &Value) -> bool {
         Value::Enum(tag, payload) => {
             matches!(tag, Atom::Const(_)) && payload.iter().all(|a| matches!(a, Atom::Const(_)))
         }
-        Value::Function(_) => false,
+        Value::Function(_) | Value::Choice(..) | Value::Never => false,
     }
 }

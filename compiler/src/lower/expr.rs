@@ -1,13 +1,12 @@
 //! Expressions.
 
-use super::value::{Closure, Value};
+use super::value::{Capture, Closure, Lambda, Value};
 use super::{Env, Lower, unsupported};
-use crate::core::{Atom, Block, Const, Op, Prim, Scalar};
+use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout;
 use crate::source::Span;
 use crate::typed::{BinaryOp, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
-use std::collections::BTreeSet;
-use std::rc::Rc;
+use std::collections::BTreeMap;
 
 impl<'m> Lower<'m> {
     pub(super) fn expr(&mut self, expr: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
@@ -19,19 +18,22 @@ impl<'m> Lower<'m> {
             ExprKind::Local(id) => env.get(*id),
             ExprKind::Const(id) => self.constant(*id),
             ExprKind::Param(id) => self.param(*id),
-            ExprKind::Raster(id) => function(Closure::Raster(*id)),
+            ExprKind::Raster(id) => Value::function(Closure::Raster(*id)),
             ExprKind::Function(id, types) => {
-                function(Closure::Function(*id, types.iter().map(|t| env.ty(t)).collect()))
+                Value::function(Closure::Function(*id, types.iter().map(|t| env.ty(t)).collect()))
             }
-            ExprKind::Builtin(builtin) => function(Closure::Builtin(*builtin)),
-            ExprKind::VariantFunction(_, tag) => function(Closure::Variant(*tag)),
-            ExprKind::StructFunction(_) => function(Closure::Struct),
+            ExprKind::Builtin(builtin) => Value::function(Closure::Builtin(*builtin)),
+            ExprKind::VariantFunction(_, tag) => Value::function(Closure::Variant(*tag)),
+            ExprKind::StructFunction(_) => Value::function(Closure::Struct),
             ExprKind::Lambda(params, body) => {
-                let mut free = BTreeSet::new();
+                let mut free = BTreeMap::new();
                 super::call::free_locals(body, &mut free);
-                let captures =
-                    free.iter().filter_map(|id| Some((*id, env.locals.get(id)?.clone()))).collect();
-                function(Closure::Lambda { params, body, captures, types: env.types.clone() })
+                let capture = |(local, ty): (&LocalId, &&Type)| {
+                    let value = env.locals.get(local)?.clone();
+                    Some(Capture { local: *local, ty: env.ty(ty), value })
+                };
+                let captures = free.iter().filter_map(capture).collect();
+                Value::function(Closure::Lambda(Lambda { params, body, captures, types: env.types.clone() }))
             }
             ExprKind::Call(callee, args) => self.call(expr, callee, args, env),
             ExprKind::Unary(op, a) => self.unary(*op, a, env),
@@ -88,22 +90,16 @@ impl<'m> Lower<'m> {
         self.expr(value, env)
     }
 
-    /// A value that stands in after an error.
+    /// A value that stands in after an error, or for one that is not known to come at all.
     pub(super) fn placeholder(&self, ty: &Type) -> Value<'m> {
         match layout::scalars(self.module, ty) {
             Some(scalars) => {
                 let mut zeros = scalars.into_iter().map(|s| Atom::Const(Const::from_word(s, 0)));
                 self.unflatten(ty, &mut zeros)
             }
-            None => match ty {
-                Type::Enum(id, args) => {
-                    let fields = layout::variants(self.module, *id, args).swap_remove(0);
-                    Value::Variant(0, fields.iter().map(|t| self.placeholder(t)).collect())
-                }
-                ty => match layout::items(self.module, ty) {
-                    Some(items) => Value::Group(items.iter().map(|t| self.placeholder(t)).collect()),
-                    None => function(Closure::Struct),
-                },
+            None => match layout::items(self.module, ty) {
+                Some(items) => Value::Group(items.iter().map(|t| self.placeholder(t)).collect()),
+                None => Value::Never,
             },
         }
     }
@@ -273,34 +269,11 @@ impl<'m> Lower<'m> {
         if let Atom::Const(Const::Bool(known)) = cond {
             return if known { yes(self, env) } else { no(self, env) };
         }
-        let side = |l: &mut Self, make: &mut dyn FnMut(&mut Self, &mut Env<'m>) -> Value<'m>| {
-            let mut inner = env.clone();
-            l.block(|l| {
-                let value = make(l, &mut inner);
-                let mut words = Vec::new();
-                let shape = l.dissect(&value, ty, &mut words);
-                (value, shape, words)
-            })
-        };
-        let (mut yes, mut no) = (Some(yes), Some(no));
-        let (yes_stmts, (value, yes_shape, yes_words)) =
-            side(self, &mut |l, env| yes.take().expect("called once")(l, env));
-        let (no_stmts, (_, no_shape, no_words)) =
-            side(self, &mut |l, env| no.take().expect("called once")(l, env));
-        if yes_shape != no_shape {
-            self.error(unsupported(
-                "E0901",
-                span,
-                "a function value chosen at run time is not supported yet",
-                "choose between results instead: call the functions inside the branches",
-            ));
-            return value;
-        }
-        let scalars: Vec<Scalar> = yes_words.iter().map(|a| self.scalar_of(*a)).collect();
-        let yes = Block { stmts: yes_stmts, results: yes_words };
-        let no = Block { stmts: no_stmts, results: no_words };
-        let words = self.emit(Op::If(cond, yes, no), &scalars);
-        self.rebuild(&value, ty, &mut words.into_iter())
+        let mut inner = env.clone();
+        let yes = self.block(|l| yes(l, &mut inner));
+        let mut inner = env.clone();
+        let no = self.block(|l| no(l, &mut inner));
+        self.meet(cond, ty, span, yes, no)
     }
 
     fn index(&mut self, expr: &'m Expr, base: &'m Expr, index: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
@@ -320,23 +293,11 @@ impl<'m> Lower<'m> {
         if let Atom::Const(Const::I32(i)) = at {
             return items[i.clamp(0, items.len() as i32 - 1) as usize].clone();
         }
-        if layout::scalars(self.module, &ty).is_none() {
-            self.error(unsupported(
-                "E0901",
-                expr.span,
-                "a function value chosen at run time is not supported yet",
-                "index with a constant, or choose between results instead",
-            ));
-            return items[0].clone();
+        let mut like = items[0].clone();
+        for item in &items[1..] {
+            like = self.join_any(&like, item, &ty, expr.span);
         }
-        let rows: Vec<Vec<Atom>> = items
-            .iter()
-            .map(|item| {
-                let mut words = Vec::new();
-                self.flatten(item, &ty, &mut words);
-                words
-            })
-            .collect();
+        let rows: Vec<Vec<Atom>> = items.iter().map(|item| self.words_like(item, &like, &ty)).collect();
         let mut words = Vec::new();
         for column in 0..rows[0].len() {
             let mut operands = vec![at];
@@ -344,21 +305,13 @@ impl<'m> Lower<'m> {
             let scalar = self.scalar_of(rows[0][column]);
             words.push(self.prim(Prim::Index, scalar, operands));
         }
-        self.unflatten(&ty, &mut words.into_iter())
+        self.rebuild(&like, &ty, &mut words.into_iter())
     }
 
     /// A parameter's value given from outside.
     fn setting(&mut self, value: &'m Expr) -> Value<'m> {
         self.expr(value, &mut Env::default())
     }
-
-    pub(super) fn locals_bound(&self, env: &mut Env<'m>, params: &[LocalId], args: Vec<Value<'m>>) {
-        env.locals.extend(params.iter().copied().zip(args));
-    }
-}
-
-pub(super) fn function<'m>(closure: Closure<'m>) -> Value<'m> {
-    Value::Function(Rc::new(closure))
 }
 
 pub(super) fn constant(literal: Literal) -> Const {

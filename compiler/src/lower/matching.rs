@@ -4,7 +4,9 @@ use super::value::Value;
 use super::{Env, Lower};
 use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout;
-use crate::typed::{Arm, Expr, Pattern, PatternKind, Type};
+use crate::source::Span;
+use crate::typed::{Arm, Expr, LocalId, Pattern, PatternKind, Type};
+use std::collections::BTreeMap;
 
 impl<'m> Lower<'m> {
     pub(super) fn matching(
@@ -16,6 +18,9 @@ impl<'m> Lower<'m> {
     ) -> Value<'m> {
         let scrutinee_type = env.ty(&scrutinee.ty);
         let value = self.expr(scrutinee, env);
+        if has_never(&value) {
+            return self.placeholder(&env.ty(&expr.ty));
+        }
         self.arms(expr, &value, &scrutinee_type, arms, env)
     }
 
@@ -70,16 +75,11 @@ impl<'m> Lower<'m> {
                 let types = layout::items(self.module, ty).expect("a product pattern has a product type");
                 self.test_all(items, value.items(), &types)
             }
-            PatternKind::Variant(id, tag, fields) => match value {
-                Value::Variant(known, _) if known != tag => FALSE,
-                _ => {
-                    let (tags, values, types) = self.variant(*id, *tag, value, ty);
-                    let wanted = Atom::Const(Const::I32(*tag as i32));
-                    let same = self.prim(Prim::Eq, Scalar::I32, vec![tags, wanted]);
-                    let inner = self.test_all(fields, &values, &types);
-                    self.prim(Prim::And, Scalar::Bool, vec![same, inner])
-                }
-            },
+            PatternKind::Variant(_, tag, fields) => {
+                let Some((same, values, types)) = self.variant(*tag, value, ty) else { return FALSE };
+                let inner = self.test_all(fields, &values, &types);
+                self.prim(Prim::And, Scalar::Bool, vec![same, inner])
+            }
             PatternKind::Or(choices) => {
                 let mut any = FALSE;
                 for choice in choices {
@@ -100,24 +100,36 @@ impl<'m> Lower<'m> {
         all
     }
 
-    /// Tag, fields and field types of a value looked at as variant `tag`.
+    /// A value looked at as variant `tag`: whether it is (a Bool), its fields then, their types. `None` if it cannot be.
     fn variant(
         &mut self,
-        id: crate::typed::EnumId,
         tag: u32,
         value: &Value<'m>,
         ty: &Type,
-    ) -> (Atom, Vec<Value<'m>>, Vec<Type>) {
-        let Type::Enum(_, args) = ty else { unreachable!("a variant pattern has an enum type") };
-        let types = layout::variants(self.module, id, args).swap_remove(tag as usize);
-        match value {
-            Value::Variant(known, fields) => (Atom::Const(Const::I32(*known as i32)), fields.clone(), types),
+    ) -> Option<(Atom, Vec<Value<'m>>, Vec<Type>)> {
+        let Type::Enum(id, args) = ty else { unreachable!("a variant pattern has an enum type") };
+        let types = layout::variants(self.module, *id, args).swap_remove(tag as usize);
+        let is = |l: &mut Self, tags: Atom, wanted: u32| {
+            l.prim(Prim::Eq, Scalar::I32, vec![tags, Atom::Const(Const::I32(wanted as i32))])
+        };
+        Some(match value {
+            Value::Variant(known, fields) if *known == tag => (TRUE, fields.clone(), types),
+            Value::Variant(..) => return None,
             Value::Enum(tags, payload) => {
-                let fields = self.unpack(id, args, tag, payload);
-                (*tags, fields, types)
+                let fields = self.unpack(*id, args, tag, payload);
+                (is(self, *tags, tag), fields, types)
             }
+            Value::Choice(candidates, tags, payload) => {
+                let has_tag = |c: &Value| matches!(c, Value::Variant(known, _) if *known == tag);
+                let at = candidates.iter().position(has_tag)?;
+                let Value::Variant(_, fields) = self.candidate(&candidates[at], payload) else {
+                    unreachable!("candidates of an enum are variants")
+                };
+                (is(self, *tags, at as u32), fields, types)
+            }
+            Value::Never => return None,
             other => unreachable!("an enum's value is tagged, not {other:?}"),
-        }
+        })
     }
 
     /// Binds the names of a pattern that fits.
@@ -133,11 +145,10 @@ impl<'m> Lower<'m> {
                     self.bind(item, value, ty, env);
                 }
             }
-            PatternKind::Variant(id, tag, fields) => {
-                if matches!(value, Value::Variant(known, _) if known != tag) {
-                    return;
-                }
-                let (_, values, types) = self.variant(*id, *tag, value, ty);
+            PatternKind::Variant(_, tag, fields) => {
+                let Some((_, values, types)) = self.variant(*tag, value, ty) else {
+                    return self.bind_never(pattern, env);
+                };
                 for ((field, value), ty) in fields.iter().zip(&values).zip(&types) {
                     self.bind(field, value, ty, env);
                 }
@@ -151,6 +162,7 @@ impl<'m> Lower<'m> {
         let (last, before) = choices.split_last().expect("an or-pattern has alternatives");
         let mut bound = Env { locals: Default::default(), types: env.types.clone() };
         self.bind(last, value, ty, &mut bound);
+        let types = bound_types(last);
         for choice in before.iter().rev() {
             let fits = self.test(choice, value, ty);
             if fits == FALSE {
@@ -159,8 +171,10 @@ impl<'m> Lower<'m> {
             let mut own = Env { locals: Default::default(), types: env.types.clone() };
             self.bind(choice, value, ty, &mut own);
             for (id, value) in own.locals {
-                let joined = match bound.locals.get(&id) {
-                    Some(other) if fits != TRUE => self.pick(fits, &value, other),
+                let joined = match (bound.locals.get(&id).cloned(), types.get(&id)) {
+                    (Some(other), Some(ty)) if fits != TRUE => {
+                        self.pick(fits, &value, &other, &env.ty(ty), choice.span)
+                    }
                     _ => value,
                 };
                 bound.locals.insert(id, joined);
@@ -169,19 +183,20 @@ impl<'m> Lower<'m> {
         env.locals.extend(bound.locals);
     }
 
-    /// `select` over the words of two values of one form.
-    fn pick(&mut self, cond: Atom, yes: &Value<'m>, no: &Value<'m>) -> Value<'m> {
-        match (yes, no) {
-            (Value::Group(xs), Value::Group(ys)) => {
-                Value::Group(xs.iter().zip(ys).map(|(x, y)| self.pick(cond, x, y)).collect())
-            }
-            (Value::Enum(tx, xs), Value::Enum(ty, ys)) => {
-                let tag = self.pick_atom(cond, *tx, *ty);
-                Value::Enum(tag, xs.iter().zip(ys).map(|(x, y)| self.pick_atom(cond, *x, *y)).collect())
-            }
-            (Value::Atom(x), Value::Atom(y)) => Value::Atom(self.pick_atom(cond, *x, *y)),
-            // Known variants and functions: alternatives of a value known now were decided by `test`.
-            (known, _) => known.clone(),
+    /// `select` over the words of two values.
+    fn pick(&mut self, cond: Atom, yes: &Value<'m>, no: &Value<'m>, ty: &Type, span: Span) -> Value<'m> {
+        let like = self.join_any(yes, no, ty, span);
+        let yes = self.words_like(yes, &like, ty);
+        let no = self.words_like(no, &like, ty);
+        let words: Vec<Atom> = yes.into_iter().zip(no).map(|(y, n)| self.pick_atom(cond, y, n)).collect();
+        self.rebuild(&like, ty, &mut words.into_iter())
+    }
+
+    /// Binds the names of a pattern that cannot fit.
+    fn bind_never(&mut self, pattern: &Pattern, env: &mut Env<'m>) {
+        for (id, ty) in bound_types(pattern) {
+            let value = self.placeholder(&env.ty(ty));
+            env.locals.insert(id, value);
         }
     }
 
@@ -191,6 +206,34 @@ impl<'m> Lower<'m> {
         }
         let scalar = self.scalar_of(yes);
         self.emit(Op::Prim(Prim::Select, scalar, vec![no, yes, cond]), &[scalar])[0]
+    }
+}
+
+/// Names that a pattern binds.
+fn bound_types(pattern: &Pattern) -> BTreeMap<LocalId, &Type> {
+    let mut found = BTreeMap::new();
+    let mut pending = vec![pattern];
+    while let Some(pattern) = pending.pop() {
+        match &pattern.kind {
+            PatternKind::Bind(id) => {
+                found.insert(*id, &pattern.ty);
+            }
+            PatternKind::Tuple(parts)
+            | PatternKind::Struct(_, parts)
+            | PatternKind::Variant(_, _, parts)
+            | PatternKind::Or(parts) => pending.extend(parts),
+            PatternKind::Wild | PatternKind::Literal(_) => {}
+        }
+    }
+    found
+}
+
+/// Is the value, or a part of it, one that is not known to come at all?
+fn has_never(value: &Value) -> bool {
+    match value {
+        Value::Never => true,
+        Value::Group(items) => items.iter().any(has_never),
+        _ => false,
     }
 }
 

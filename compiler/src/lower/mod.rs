@@ -7,21 +7,27 @@
 
 mod builtins;
 mod call;
+mod choice;
 mod constant;
 mod expr;
 mod matching;
 mod ranges;
+mod shape;
+mod specialise;
 mod value;
+mod words;
 
-use crate::core::{Atom, Block, Const, FnId, Function, Mark, Op, Prim, Program, Scalar, Stmt, Var};
+use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
 use crate::diagnostic::Diagnostic;
 use crate::layout;
 use crate::scalar;
 use crate::source::{SourceId, Span};
-use crate::typed::{self, ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
+use crate::typed::{ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
+use call::{Application, Callee, Frame};
+use specialise::{Job, Key};
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::rc::Rc;
-use value::{Captures, Shape, Value};
+use value::Value;
 
 /// Values given to parameters from outside, checked against their types.
 #[derive(Clone, Debug, Default)]
@@ -43,40 +49,28 @@ const USER: SourceId = SourceId(0);
 
 /// More statements than this are refused: a program that grows so by specialisation is a mistake.
 const STATEMENT_LIMIT: usize = 400_000;
-/// Function values captured in function values captured in .. deeper than this are chosen at run time.
-const CLOSURE_DEPTH_LIMIT: usize = 12;
-/// Bodies put in place of calls inside each other; deeper means recursion through a function value.
+/// Bodies put in place of calls inside each other; deeper calls are calls.
 const INLINE_DEPTH_LIMIT: usize = 64;
 
 /// Lowers what `entry` reaches.
 pub fn lower(module: &Module, entry: FunctionId, settings: &Settings) -> Result<Program, Vec<Diagnostic>> {
-    let mut lower = Lower::new(module, settings);
-    lower.entry(entry)?;
-    lower.drain()?;
+    let mut yields = HashMap::new();
+    let lower = loop {
+        let mut lower = Lower::new(module, settings, yields);
+        lower.entry(entry)?;
+        lower.drain()?;
+        if !lower.grown {
+            break lower;
+        }
+        yields = lower.yields;
+    };
+    if !lower.endless.is_empty() {
+        return Err(lower.endless.into_iter().map(endless).collect());
+    }
     let live = settings.live.iter().filter_map(|id| lower.live_shape(*id)).collect();
     let functions =
         lower.functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect();
     Ok(Program { functions, entry: 0, live })
-}
-
-/// What tells one specialisation of a function from another.
-#[derive(Clone, PartialEq, Eq, Hash)]
-struct Key {
-    function: FunctionId,
-    types: Vec<Type>,
-    args: Vec<Shape>,
-}
-
-/// A specialisation to be lowered: arguments whose machine words will be its parameters.
-struct Job<'m> {
-    id: FnId,
-    function: FunctionId,
-    types: Rc<Vec<Type>>,
-    /// Machine words in them are typed zeros.
-    args: Vec<Value<'m>>,
-    name: String,
-    /// The call in the user's program that led here.
-    called: Span,
 }
 
 struct Lower<'m> {
@@ -88,7 +82,8 @@ struct Lower<'m> {
     queue: VecDeque<Job<'m>>,
     builder: Builder,
     statements: usize,
-    inlined: usize,
+    /// Bodies being lowered, one in another.
+    frames: Vec<Frame>,
     errors: Vec<Diagnostic>,
     /// First word of each live parameter.
     live: BTreeMap<ParamId, u32>,
@@ -96,6 +91,12 @@ struct Lower<'m> {
     called: Option<Span>,
     /// Constants already computed.
     constants: HashMap<ConstId, Value<'m>>,
+    /// Outlines of what specialisations yield that yield functions, as far as known.
+    yields: HashMap<Key, Value<'m>>,
+    /// More became known in this pass: what was lowered with less is void.
+    grown: bool,
+    /// Functions of which no way to an end is known, with their places.
+    endless: Vec<(String, Span)>,
 }
 
 /// The function under construction.
@@ -109,12 +110,12 @@ struct Builder {
 /// Names in scope while a body is lowered.
 #[derive(Clone, Default)]
 struct Env<'m> {
-    locals: Captures<'m>,
+    locals: BTreeMap<LocalId, Value<'m>>,
     types: Rc<Vec<Type>>,
 }
 
 impl<'m> Lower<'m> {
-    fn new(module: &'m Module, settings: &'m Settings) -> Lower<'m> {
+    fn new(module: &'m Module, settings: &'m Settings, yields: HashMap<Key, Value<'m>>) -> Lower<'m> {
         Lower {
             module,
             settings,
@@ -124,11 +125,14 @@ impl<'m> Lower<'m> {
             queue: VecDeque::new(),
             builder: Builder::default(),
             statements: 0,
-            inlined: 0,
+            frames: Vec::new(),
             errors: Vec::new(),
             live: BTreeMap::new(),
             constants: HashMap::new(),
             called: None,
+            yields,
+            grown: false,
+            endless: Vec::new(),
         }
     }
 
@@ -162,7 +166,7 @@ impl<'m> Lower<'m> {
         let function = &self.module.functions[entry.0 as usize];
         let mut args = Vec::new();
         for ty in function.param_types() {
-            let Some(scalars) = layout::scalars(self.module, ty) else {
+            let Some(zeros) = self.zeros(ty) else {
                 return Err(vec![
                     Diagnostic::error(
                         "E0505",
@@ -173,8 +177,7 @@ impl<'m> Lower<'m> {
                     .help("an entry's parameters are numbers, vectors, tuples, structs or enums"),
                 ]);
             };
-            let mut words = scalars.into_iter().map(|s| Atom::Const(Const::from_word(s, 0)));
-            args.push(self.unflatten(ty, &mut words));
+            args.push(zeros);
         }
         if layout::scalars(self.module, &function.result).is_none() || !function.generics.is_empty() {
             return Err(vec![
@@ -185,110 +188,10 @@ impl<'m> Lower<'m> {
                     ),
             ]);
         }
-        self.specialise(entry, Vec::new(), args, function.span);
+        let params: Vec<Type> = function.param_types().cloned().collect();
+        let at = Application { args, params: &params, result: &function.result, span: function.span };
+        self.specialise(&Callee::Function(entry, Vec::new()), &at);
         Ok(())
-    }
-
-    /// The specialisation of `function` for these arguments and the words to call it with.
-    fn specialise(
-        &mut self,
-        function: FunctionId,
-        types: Vec<Type>,
-        args: Vec<Value<'m>>,
-        span: Span,
-    ) -> (FnId, Vec<Atom>) {
-        let definition = &self.module.functions[function.0 as usize];
-        let param_types: Vec<Type> = definition.param_types().map(|t| t.substitute(&types)).collect();
-        let mut words = Vec::new();
-        let shapes: Vec<Shape> =
-            args.iter().zip(&param_types).map(|(v, t)| self.dissect(v, t, &mut words)).collect();
-        if shapes.iter().any(|s| s.depth() > CLOSURE_DEPTH_LIMIT) {
-            self.error(unsupported(
-                "E0901",
-                span,
-                "a function value that grows with each call is not supported yet",
-                "pass the values it captures as ordinary arguments",
-            ));
-        }
-        let key = Key { function, types: types.clone(), args: shapes };
-        if let Some(id) = self.known.get(&key) {
-            return (*id, words);
-        }
-        let id = FnId(self.functions.len() as u32);
-        self.functions.push(None);
-        self.known.insert(key, id);
-        let name = self.unique(&definition.name);
-        if self.errors.is_empty() {
-            let holes: Vec<Atom> =
-                words.iter().map(|a| Atom::Const(Const::from_word(self.scalar_of(*a), 0))).collect();
-            let mut holes = holes.into_iter();
-            let args = args.iter().zip(&param_types).map(|(v, t)| self.rebuild(v, t, &mut holes)).collect();
-            let called = self.called.filter(|_| span.source != USER).unwrap_or(span);
-            self.queue.push_back(Job { id, function, types: Rc::new(types), args, name, called });
-        }
-        (id, words)
-    }
-
-    fn unique(&mut self, name: &str) -> String {
-        let count = self.names.entry(name.to_string()).or_insert(0);
-        *count += 1;
-        if *count == 1 { name.to_string() } else { format!("{name}_{count}") }
-    }
-
-    /// Lowers one specialisation.
-    fn function(&mut self, job: Job<'m>) {
-        self.called = Some(job.called);
-        let definition = &self.module.functions[job.function.0 as usize];
-        self.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
-
-        // Parameters: one variable for each machine word of the arguments.
-        let mut env = Env { locals: BTreeMap::new(), types: job.types.clone() };
-        let mut params = Vec::new();
-        for (local, arg) in definition.params.iter().zip(&job.args) {
-            let ty = definition.locals[local.0 as usize].ty.substitute(&job.types);
-            let mut words = Vec::new();
-            self.dissect(arg, &ty, &mut words);
-            let scalars: Vec<Scalar> = match layout::scalars(self.module, &ty) {
-                Some(scalars) => scalars,
-                None => words.iter().map(|a| self.caller_scalar(*a)).collect(),
-            };
-            let vars: Vec<Var> = scalars.iter().map(|s| self.builder.fresh(*s)).collect();
-            params.extend(&vars);
-            let mut atoms = vars.into_iter().map(Atom::Var);
-            env.locals.insert(*local, self.rebuild(arg, &ty, &mut atoms));
-        }
-
-        // Body.
-        self.builder.open = vec![Vec::new()];
-        let value = self.expr(&definition.body, &mut env);
-        let result = definition.result.substitute(&job.types);
-        let mut results = Vec::new();
-        if self.errors.is_empty() {
-            self.flatten(&value, &result, &mut results);
-        }
-        let stmts = self.builder.open.pop().expect("the body's own block");
-        let mark = match definition.attributes {
-            typed::Attributes { task: true, .. } => Mark::Task,
-            typed::Attributes { inline: true, .. } => Mark::Inline,
-            _ => Mark::Auto,
-        };
-        self.functions[job.id.0 as usize] = Some(Function {
-            name: job.name,
-            params,
-            results: layout::scalars(self.module, &result).unwrap_or_default(),
-            vars: std::mem::take(&mut self.builder.vars),
-            body: Block { stmts, results },
-            mark,
-            span: Some(definition.span),
-        });
-    }
-
-    /// Scalar of a queued argument's word.
-    fn caller_scalar(&self, atom: Atom) -> Scalar {
-        match atom {
-            Atom::Const(c) => c.scalar(),
-            Atom::Var(_) => unreachable!("queued arguments hold typed zeros"),
-        }
     }
 
     /// Name and scalars of a live parameter.
@@ -363,6 +266,13 @@ impl<'m> Lower<'m> {
         (self.builder.open.pop().expect("the block just opened"), result)
     }
 
+    /// Goes on with a block that was collected before.
+    fn reopen<R>(&mut self, stmts: Vec<Stmt>, build: impl FnOnce(&mut Self) -> R) -> (Vec<Stmt>, R) {
+        self.builder.open.push(stmts);
+        let result = build(self);
+        (self.builder.open.pop().expect("the block just opened"), result)
+    }
+
     fn too_large(&self) -> bool {
         self.statements >= STATEMENT_LIMIT || !self.errors.is_empty()
     }
@@ -378,6 +288,10 @@ impl Builder {
 impl<'m> Env<'m> {
     fn ty(&self, ty: &Type) -> Type {
         if self.types.is_empty() { ty.clone() } else { ty.substitute(&self.types) }
+    }
+
+    fn bind(&mut self, params: &[LocalId], args: Vec<Value<'m>>) {
+        self.locals.extend(params.iter().copied().zip(args));
     }
 
     fn get(&self, id: LocalId) -> Value<'m> {
@@ -399,6 +313,12 @@ fn logic(prim: Prim, args: &[Atom]) -> Option<Atom> {
         (Prim::And, false) | (Prim::Or, true) => Some(Atom::Const(Const::Bool(known))),
         _ => None,
     }
+}
+
+fn endless((name, span): (String, Span)) -> Diagnostic {
+    Diagnostic::error("E0512", span, format!("`{name}` never yields its function value"))
+        .label("each way through it calls it again first")
+        .help("give it a case that does not call itself")
 }
 
 /// A part of the language that this version knows but cannot compile.

@@ -2,10 +2,12 @@
 
 use super::call::Application;
 use super::value::Value;
-use super::{Env, Lower, unsupported};
+use super::words::shape;
+use super::{Env, Lower};
 use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Var};
 use crate::layout;
-use crate::typed::{Expr, RangeForm, RangeOp};
+use crate::source::Span;
+use crate::typed::{Expr, RangeForm, RangeOp, Type};
 
 impl<'m> Lower<'m> {
     pub(super) fn range(
@@ -21,13 +23,8 @@ impl<'m> Lower<'m> {
         let init = form.init.as_ref().map(|init| self.expr(init, env));
         let f = self.expr(&form.f, env);
         let Some(scalars) = layout::scalars(self.module, &ty) else {
-            self.error(unsupported(
-                "E0901",
-                expr.span,
-                "a `fold` that carries a function value is not supported yet",
-                "carry the values that the function captures",
-            ));
-            return self.placeholder(&ty);
+            let init = init.expect("only `fold` yields functions");
+            return self.fold_functions((lo, hi), &init, &f, &ty, expr.span);
         };
 
         // First state: index, then the accumulator's words.
@@ -62,11 +59,21 @@ impl<'m> Lower<'m> {
             let mut next = Vec::new();
             if op == RangeOp::Fold {
                 let state = l.unflatten(&ty, &mut carried_atoms.iter().copied());
-                let at = Application { args: vec![state, index_value], result: &ty, span: expr.span };
+                let at = Application {
+                    args: vec![state, index_value],
+                    params: &[ty.clone(), Type::I32],
+                    result: &ty,
+                    span: expr.span,
+                };
                 let value = l.apply(&f, at);
                 l.flatten(&value, &ty, &mut next);
             } else {
-                let at = Application { args: vec![index_value], result: &ty, span: expr.span };
+                let at = Application {
+                    args: vec![index_value],
+                    params: &[Type::I32],
+                    result: &ty,
+                    span: expr.span,
+                };
                 let value = l.apply(&f, at);
                 l.flatten(&value, &ty, &mut next);
             }
@@ -91,5 +98,56 @@ impl<'m> Lower<'m> {
         let results: Vec<Scalar> = std::iter::once(Scalar::I32).chain(scalars).collect();
         let last = self.emit(Op::Loop(repeat), &results);
         self.unflatten(&ty, &mut last.into_iter().skip(1))
+    }
+
+    /// `fold` whose accumulator holds functions. Its form is that of the first value joined with what the body makes of
+    /// it, found by trying.
+    fn fold_functions(
+        &mut self,
+        (lo, hi): (Atom, Atom),
+        init: &Value<'m>,
+        f: &Value<'m>,
+        ty: &Type,
+        span: Span,
+    ) -> Value<'m> {
+        let mut like = self.outline(init, ty);
+        loop {
+            let words = self.words_like(&like, &like, ty);
+            let scalars: Vec<Scalar> =
+                std::iter::once(Scalar::I32).chain(words.iter().map(|a| self.scalar_of(*a))).collect();
+            let state: Vec<Var> = scalars.iter().map(|s| self.builder.fresh(*s)).collect();
+            let (index, carried) = (Atom::Var(state[0]), &state[1..]);
+            let (stmts, next) = self.block(|l| {
+                let so_far = l.rebuild(&like, ty, &mut carried.iter().map(|v| Atom::Var(*v)));
+                let args = vec![so_far, Value::Atom(index)];
+                let params = &[ty.clone(), Type::I32];
+                l.apply(f, Application { args, params, result: ty, span })
+            });
+            let joined = self.join_any(&like, &next, ty, span);
+            if self.too_large() {
+                return self.placeholder(ty);
+            }
+            if shape(&joined) != shape(&like) {
+                like = joined;
+                continue;
+            }
+            let (stmts, results) = self.reopen(stmts, |l| {
+                let one = Atom::Const(Const::I32(1));
+                let mut results = vec![l.prim(Prim::Add, Scalar::I32, vec![index, one])];
+                results.extend(l.words_like(&next, &like, ty));
+                results
+            });
+            let (tests, more) = self.block(|l| l.prim(Prim::Lt, Scalar::I32, vec![index, hi]));
+            let mut first = vec![lo];
+            first.extend(self.words_like(init, &like, ty));
+            let repeat = Loop {
+                state: state.into_iter().zip(first).collect(),
+                cond: Block { stmts: tests, results: vec![more] },
+                body: Block { stmts, results },
+                kind: LoopKind::Fold,
+            };
+            let last = self.emit(Op::Loop(repeat), &scalars);
+            return self.rebuild(&like, ty, &mut last.into_iter().skip(1));
+        }
     }
 }

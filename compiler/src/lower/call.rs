@@ -2,6 +2,7 @@
 
 use super::shape::Shape;
 use super::value::{Closure, Value};
+use super::words::dissect_any;
 use super::{Env, INLINE_DEPTH_LIMIT, Lower, unsupported};
 use crate::core::Atom;
 use crate::layout;
@@ -32,6 +33,8 @@ pub(super) struct Frame {
     head: Head,
     shapes: Vec<Shape>,
     words: Vec<Atom>,
+    /// Blocks open at its start.
+    open: usize,
 }
 
 #[derive(PartialEq)]
@@ -41,23 +44,27 @@ enum Head {
 }
 
 impl Frame {
-    pub fn of(callee: &Callee, at: &Application) -> Frame {
+    /// A body entered with `open` blocks around it.
+    pub fn new(callee: &Callee, at: &Application, open: usize) -> Frame {
         let mut words = Vec::new();
-        let mut shapes: Vec<Shape> =
-            at.args.iter().map(|a| super::words::dissect_any(a, &mut words)).collect();
+        let mut shapes: Vec<Shape> = at.args.iter().map(|a| dissect_any(a, &mut words)).collect();
         let head = match callee {
             Callee::Function(id, types) => Head::Function(*id, types.clone()),
             Callee::Value(value) => {
-                shapes.push(super::words::dissect_any(value, &mut words));
+                shapes.push(dissect_any(value, &mut words));
                 Head::Value(super::choice::head(value))
             }
         };
-        Frame { head, shapes, words }
+        Frame { head, shapes, words, open }
     }
 
-    /// Does a call from inside this body to the same body bring anything new that is known now? If not, putting the body
-    /// in place would never end.
-    fn leads_on_to(&self, next: &Frame) -> bool {
+    /// Does putting the same body in place once more, for `next`, come to an end as far as can be told? Behind a test that
+    /// only the machine decides less must be left to do; else it is enough that something known now has changed.
+    fn leads_to(&self, next: &Frame) -> bool {
+        let size = |shapes: &[Shape]| shapes.iter().map(Shape::size).sum::<usize>();
+        if next.open > self.open {
+            return size(&next.shapes) < size(&self.shapes);
+        }
         let is_new = |(a, b): (&Atom, &Atom)| match (a, b) {
             (Atom::Const(a), Atom::Const(b)) => a != b,
             _ => false,
@@ -120,8 +127,8 @@ impl<'m> Lower<'m> {
             Callee::Function(id, _) => first_order || self.module.functions[id.0 as usize].attributes.task,
             Callee::Value(value) => first_order && matches!(value, Value::Choice(..)),
         };
-        let frame = Frame::of(&callee, &at);
-        let goes_round = |f: &Frame| !f.leads_on_to(&frame);
+        let frame = Frame::new(&callee, &at, self.builder.open.len());
+        let goes_round = |f: &Frame| !f.leads_to(&frame);
         if apart
             || self.frames.len() > INLINE_DEPTH_LIMIT
             || self.frames.iter().rev().find(|f| f.head == frame.head).is_some_and(goes_round)

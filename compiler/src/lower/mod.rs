@@ -17,6 +17,7 @@ mod specialise;
 mod value;
 mod words;
 
+use crate::codes;
 use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
 use crate::diagnostic::Diagnostic;
 use crate::layout;
@@ -316,7 +317,7 @@ fn logic(prim: Prim, args: &[Atom]) -> Option<Atom> {
 }
 
 fn endless((name, span): (String, Span)) -> Diagnostic {
-    Diagnostic::error("E0512", span, format!("`{name}` never yields its function value"))
+    Diagnostic::error(codes::NEVER_YIELDS, span, format!("`{name}` never yields its function value"))
         .label("each way through it calls it again first")
         .help("give it a case that does not call itself")
 }

@@ -57,7 +57,7 @@ impl Shape {
         below + usize::from(matches!(self, Shape::Lambda(..)))
     }
 
-    fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         1 + self.children().iter().map(Shape::size).sum::<usize>()
     }
 

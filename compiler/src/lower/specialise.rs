@@ -9,6 +9,7 @@ use super::shape::Shape;
 use super::value::Value;
 use super::words::{dissect_any, rebuild_any, shape};
 use super::{Builder, Lower, USER};
+use crate::codes;
 use crate::core::{Atom, Block, FnId, Function, Mark, Op, Scalar, Var};
 use crate::diagnostic::Diagnostic;
 use crate::layout;
@@ -162,7 +163,7 @@ impl<'m> Lower<'m> {
 
         // Body.
         let at = Application { args, params: &job.params, result: &job.result, span: job.span };
-        self.frames = vec![Frame::of(&callee, &at)];
+        self.frames = vec![Frame::new(&callee, &at, self.builder.open.len())];
         let (value, mark) = match &callee {
             Callee::Function(id, types) => {
                 let mark = match self.module.functions[id.0 as usize].attributes {

@@ -89,9 +89,11 @@ codes! {
     BAKED_SHAPE "E0507" "a baked function of the wrong shape";
     RASTER_TYPE "E0508" "a raster of a type it cannot hold";
     INLINE_RECURSION "E0510" "a recursive function that must be inlined";
+    EMPTY_ITEM "E0509" "a struct or enum without anything in it";
     GROWING_FUNCTION "E0511" "a function value that captures itself over and over";
     NEVER_YIELDS "E0512" "a function that never yields its function value";
-    EMPTY_ITEM "E0509" "a struct or enum without anything in it";
+    TOO_MUCH_CODE "E0513" "a program that specialisation makes too large";
+    NOT_AN_ENTRY "E0514" "a function that cannot be an entry";
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
     MANY_WARNINGS "W0602" "more warnings than are shown";

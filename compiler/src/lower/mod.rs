@@ -170,7 +170,7 @@ impl<'m> Lower<'m> {
             let Some(zeros) = self.zeros(ty) else {
                 return Err(vec![
                     Diagnostic::error(
-                        "E0505",
+                        codes::NOT_AN_ENTRY,
                         function.span,
                         format!("`{}` cannot be an entry", function.name),
                     )
@@ -182,11 +182,13 @@ impl<'m> Lower<'m> {
         }
         if layout::scalars(self.module, &function.result).is_none() || !function.generics.is_empty() {
             return Err(vec![
-                Diagnostic::error("E0505", function.span, format!("`{}` cannot be an entry", function.name))
-                    .label("its value cannot be printed")
-                    .help(
-                        "an entry yields a number, vector, tuple, struct or enum, and has no type parameters",
-                    ),
+                Diagnostic::error(
+                    codes::NOT_AN_ENTRY,
+                    function.span,
+                    format!("`{}` cannot be an entry", function.name),
+                )
+                .label("its value cannot be printed")
+                .help("an entry yields a number, vector, tuple, struct or enum, and has no type parameters"),
             ]);
         }
         let params: Vec<Type> = function.param_types().cloned().collect();
@@ -229,9 +231,13 @@ impl<'m> Lower<'m> {
             let span = self.module.functions.first().map(|f| f.span);
             if let Some(span) = span {
                 self.error(
-                    Diagnostic::error("E0506", span, "the program is too large once it is specialised")
-                        .label(format!("more than {STATEMENT_LIMIT} operations"))
-                        .help("function values and type arguments multiply code: pass plain values instead"),
+                    Diagnostic::error(
+                        codes::TOO_MUCH_CODE,
+                        span,
+                        "the program is too large once it is specialised",
+                    )
+                    .label(format!("more than {STATEMENT_LIMIT} operations"))
+                    .help("function values and type arguments multiply code: pass plain values instead"),
                 );
             }
         }

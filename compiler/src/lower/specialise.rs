@@ -220,7 +220,7 @@ impl<'m> Lower<'m> {
             return;
         }
         let mut diagnostic = Diagnostic::error(
-            "E0511",
+            codes::GROWING_FUNCTION,
             span,
             "a function value that captures itself over and over",
         )

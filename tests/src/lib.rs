@@ -11,6 +11,7 @@
 //! | [`value`] | values in Ghyll syntax and when two of them agree |
 //! | [`mode`] | THE table of machines and settings a case runs on |
 //! | [`judge`] | compares what a backend answers with what the case expects |
+//! | [`manual`] | whether the programs of the documentation do what it says, and whether the manual is complete |
 //! | [`pages`] | whether the pages about diagnostics are true |
 //! | [`differential`] | looks for random programs on which two modes disagree |
 //! | [`generate`] | random well-typed programs, and their shrinking |
@@ -24,6 +25,7 @@ pub mod differential;
 pub mod generate;
 pub mod hunt;
 pub mod judge;
+pub mod manual;
 pub mod mode;
 pub mod pages;
 pub mod value;

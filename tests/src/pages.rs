@@ -28,8 +28,13 @@ fn check(text: &str) -> Vec<Diagnostic> {
     }
 }
 
-fn codes_of(diagnostics: &[Diagnostic]) -> BTreeSet<&'static str> {
-    diagnostics.iter().map(|d| d.code).collect()
+/// The codes that `ghyll check` gives for a program.
+pub fn codes_of(text: &str) -> BTreeSet<String> {
+    codes(&check(text))
+}
+
+fn codes(diagnostics: &[Diagnostic]) -> BTreeSet<String> {
+    diagnostics.iter().map(|d| d.code.to_string()).collect()
 }
 
 /// What is wrong with a page about that code.
@@ -49,19 +54,19 @@ pub fn faults(code: &str, title: &str, page: &str) -> Vec<String> {
     for block in wrong {
         // Codes that come with it are named.
         let named = block.tag.split_whitespace().skip(2).filter(|word| !word.contains('='));
-        let expected: BTreeSet<&str> = named.chain([code]).collect();
+        let expected: BTreeSet<String> = named.chain([code]).map(str::to_owned).collect();
         let diagnostics = check(&program(block));
-        let says = diagnostics.iter().find(|d| d.code == code);
+        let says = diagnostics.iter().find(|d| d.code.to_string() == code);
         if let Some(told) = says.filter(|d| !page.contains(&format!("\n> {}\n", d.title))) {
             faults.push(format!("{code}, line {}: the page does not quote `{}`", block.line, told.title));
         }
-        let found = codes_of(&diagnostics);
+        let found = codes(&diagnostics);
         if found != expected {
             faults.push(format!("{code}, line {}: expected {expected:?}, found {found:?}", block.line));
         }
     }
     for block in mended {
-        let found = codes_of(&check(&program(block)));
+        let found = codes_of(&program(block));
         if !found.is_empty() {
             faults.push(format!("{code}, line {}: the mended program gives {found:?}", block.line));
         }

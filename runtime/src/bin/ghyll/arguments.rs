@@ -365,6 +365,7 @@ fn dimensions(text: &str) -> Result<[u32; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory;
 
     fn prepare(words: &[&str]) -> Vec<String> {
         prepared(words.iter().map(OsString::from)).into_iter().map(|s| s.into_string().unwrap()).collect()
@@ -375,6 +376,23 @@ mod tests {
         assert_eq!(prepare(&["g", "--stats", "json", "f"]), ["g", "--stats=json", "f"]);
         assert_eq!(prepare(&["g", "--stats", "f"]), ["g", "--stats", "f"]);
         assert_eq!(prepare(&["g", "--", "--stats", "json"]), ["g", "--", "--stats", "json"]);
+    }
+
+    /// Every command and every option is in the reference manual.
+    #[test]
+    fn the_manual_is_complete() {
+        let manual = include_str!("../../../../docs/language.md");
+        let mut missing = Vec::new();
+        for command in Arguments::command().get_subcommands() {
+            let name = command.get_name();
+            if !manual.contains(&format!("`ghyll {name}")) {
+                missing.push(format!("ghyll {name}"));
+            }
+            let long = command.get_arguments().filter_map(|argument| argument.get_long());
+            let documented = |option: &&str| manual.contains(&format!("--{option}"));
+            missing.extend(long.filter(|o| !documented(o)).map(|option| format!("{name} --{option}")));
+        }
+        assert!(missing.is_empty(), "not in docs/language.md: {}", missing.join(", "));
     }
 
     #[test]

@@ -70,11 +70,10 @@ fn verdict(faults: Vec<String>) -> Result<(), Failed> {
 
 /// Every code has a page, every page a code.
 fn complete() -> Result<(), Failed> {
-    let known = |code: &str| codes::ALL.iter().any(|(known, _)| known.to_string() == code);
-    let missing =
-        codes::ALL.iter().map(|(code, _)| code.to_string()).filter(|code| explain::page(code).is_err());
+    let known: Vec<String> = codes::ALL.iter().map(|(code, _)| code.to_string()).collect();
+    let missing = known.iter().filter(|code| explain::page(code).is_err());
     let missing = missing.map(|code| format!("docs/errors/{code}.md is missing"));
-    let stray = explain::PAGES.iter().filter(|(code, _)| !known(code));
+    let stray = explain::PAGES.iter().filter(|(code, _)| !known.iter().any(|known| known == code));
     let stray = stray.map(|(code, _)| format!("docs/errors/{code}.md explains no code"));
     verdict(missing.chain(stray).collect())
 }

@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn stated_values_become_runs() {
         let block = |text: &str| Block { tag: "ghyll".into(), text: text.into(), line: 1 };
-        assert_eq!(values(&block("fn main() -> i32 = 1; // not main() => 2\n")), Ok(None));
+        assert!(matches!(values(&block("fn main() -> i32 = 1; // not main() => 2\n")), Ok(None)));
         let case = values(&block("fn main() -> i32 = 1;\n// main() => 1\n// main() => 2\n"));
         assert_eq!(case.map(|c| c.map(|c| c.expectations.len())), Ok(Some(2)));
         assert!(values(&block("fn main() -> i32 = 1;\n// main() => what\n")).is_err());

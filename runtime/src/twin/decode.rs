@@ -1,4 +1,4 @@
-//! Stage decode: loads a pair of neighbouring blocks and finds its redexes by mask tests.
+//! Stage decode: finds the redexes of a pair of neighbouring blocks by mask tests.
 
 use super::code::Code;
 use super::tokens::Tokens;
@@ -29,11 +29,7 @@ pub fn arity(code: &Code, task: u32, components: u32) -> usize {
 
 /// With `regions`, a redex takes along the literals before it and the tokens up to the next redex's: what waits for
 /// its result is then in the same window. Without, it is the call alone, as in the paper.
-pub fn decode(code: &Code, components: u32, regions: bool, first: Tokens, second: Option<Tokens>) -> Pair {
-    let mut tokens = first;
-    if let Some(second) = second {
-        tokens.extend(&second, 0, second.len());
-    }
+pub fn decode(code: &Code, components: u32, regions: bool, tokens: Tokens) -> Pair {
     let mut redexes: Vec<Redex> = Vec::new();
     // Literals since the last function token.
     let mut run = 0;
@@ -72,9 +68,9 @@ mod tests {
         tokens.push_function(0);
         tokens.push_function(1);
         tokens.push_literals(&[4]);
-        let alone = decode(&code, 0, false, tokens.clone(), None).redexes;
+        let alone = decode(&code, 0, false, tokens.clone()).redexes;
         assert_eq!(alone.iter().map(|r| (r.from, r.at, r.to)).collect::<Vec<_>>(), [(1, 2, 3), (5, 6, 7)]);
-        let shared = decode(&code, 0, true, tokens, None).redexes;
+        let shared = decode(&code, 0, true, tokens).redexes;
         assert_eq!(shared.iter().map(|r| (r.from, r.at, r.to)).collect::<Vec<_>>(), [(0, 2, 4), (4, 6, 9)]);
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! - [`compile`] turns the function table into the register form ([`code`], [`instruction`]);
 //! - [`machine`] is a lane: registers and the window of two stacks;
-//! - [`decode`], [`execute`], [`allocate`], [`splice`] are the stages, [`rounds`] their sequence, [`schedule`] the
+//! - [`decode`], [`execute`], [`allocate`], [`splice`] are the stages, [`rounds`] their sequence over
+//!   the stream's [`order`], [`schedule`] the
 //!   depth of each round;
 //! - [`lane`] rewrites values and pixels in one window, without rounds;
 //! - [`limits`] is what ends a run that does not end by itself.
@@ -17,6 +18,7 @@ mod instruction;
 mod lane;
 mod limits;
 mod machine;
+mod order;
 mod pool;
 mod rounds;
 mod schedule;
@@ -31,6 +33,7 @@ use ghyll_compiler::table::{Table, TaskId, Token};
 
 use self::code::Code;
 use self::limits::Limits;
+use self::order::Block;
 use self::pool::Pool;
 use self::rounds::Rounds;
 use self::schedule::Schedule;
@@ -41,6 +44,9 @@ use crate::world::World;
 
 /// Pixels whose streams are rewritten together in block mode.
 const PART: u64 = 1 << 16;
+
+/// Sees a stream.
+pub type Observe<'o> = dyn FnMut(&[Token<u32>]) + Send + 'o;
 
 /// A function table, ready to run on the CPU.
 pub struct Twin {
@@ -66,7 +72,7 @@ impl Twin {
         config: &Config,
         world: Option<&dyn World>,
     ) -> Result<(Vec<u32>, Stats), RunError> {
-        self.run_observed(stream, config, world, &mut |_| {})
+        self.rewrite(stream, config, world, None)
     }
 
     /// As [`Twin::run`], calling `observe` with every stream between two rounds, the first one included. In
@@ -76,18 +82,33 @@ impl Twin {
         stream: &[Token<Const>],
         config: &Config,
         world: Option<&dyn World>,
-        observe: &mut (dyn FnMut(&[Token<u32>]) + Send),
+        observe: &mut Observe,
+    ) -> Result<(Vec<u32>, Stats), RunError> {
+        self.rewrite(stream, config, world, Some(observe))
+    }
+
+    fn rewrite(
+        &self,
+        stream: &[Token<Const>],
+        config: &Config,
+        world: Option<&dyn World>,
+        mut observe: Option<&mut Observe>,
     ) -> Result<(Vec<u32>, Stats), RunError> {
         let tokens = Tokens::from_stream(stream);
         self.in_pool(config, world, |pool| {
-            let mut seen = |blocks: &[Tokens]| {
-                let stream: Vec<_> = blocks.iter().flat_map(Tokens::to_stream).collect();
-                observe(&stream);
-            };
             if config.rewriter == Rewriter::Lane {
-                seen(std::slice::from_ref(&tokens));
+                if let Some(observe) = observe {
+                    observe(&tokens.to_stream());
+                }
                 return Ok((lane::value(pool, &tokens)?, Stats::default()));
             }
+            // The stream is put together only for who asks: that costs its whole length.
+            let mut seen = |blocks: &[Block]| {
+                if let Some(observe) = &mut observe {
+                    let stream: Vec<_> = blocks.iter().flat_map(|b| b.tokens.to_stream()).collect();
+                    observe(&stream);
+                }
+            };
             let schedule = Schedule::new(config, rayon::current_num_threads());
             let mut rounds = Rounds::new(pool, schedule, config.block, 0);
             let words = rounds.run(tokens, &mut |_, _| {}, &mut seen)?;

@@ -8,15 +8,19 @@ use rayon::prelude::*;
 use super::allocate::{self, Allocation, Grant, TOKEN_BYTES, allocate};
 use super::decode::{Pair, decode};
 use super::execute::{Output, Record, execute, queue};
+use super::order::{Block, Part, fresh, join, pair_up};
 use super::pool::Pool;
 use super::schedule::Schedule;
-use super::splice::{blocks, splice};
+use super::splice::splice;
 use super::tokens::Tokens;
 use crate::config::Stats;
 use crate::error::RunError;
 
 /// Depth at which a redex that still needs more memory than there is ends the run.
 const LAST_RESORT: u64 = 1 << 24;
+
+/// Pairs that are done sooner by one thread than shared out.
+const FEW: usize = 8;
 
 pub struct Rounds<'p, 'r> {
     pool: &'p Pool<'r>,
@@ -25,7 +29,7 @@ pub struct Rounds<'p, 'r> {
     block: usize,
     /// Components of a pixel, for `store`.
     components: u32,
-    order: Vec<Tokens>,
+    order: Vec<Block>,
     /// Whether the first block stays alone in the next round.
     odd: bool,
     /// Rounds since the last one that found a redex.
@@ -53,27 +57,27 @@ impl<'p, 'r> Rounds<'p, 'r> {
         &mut self,
         stream: Tokens,
         store: &mut Store,
-        observe: &mut dyn FnMut(&[Tokens]),
+        observe: &mut dyn FnMut(&[Block]),
     ) -> Result<Vec<u32>, RunError> {
         self.charge(stream.len() as u64, self.first_function(&stream))?;
-        self.order = blocks(stream, self.block);
+        self.order = fresh(stream, self.block);
         self.odd = false;
         self.idle = 0;
         observe(&self.order);
-        while self.order.iter().any(|b| !b.all_literals(0, b.len())) {
+        while self.order.iter().any(|b| !b.tokens.all_literals(0, b.tokens.len())) {
             if self.round(store)? {
                 observe(&self.order);
             }
         }
         self.pool.limits.release(std::mem::take(&mut self.held));
-        Ok(std::mem::take(&mut self.order).into_iter().flat_map(Tokens::into_words).collect())
+        Ok(std::mem::take(&mut self.order).into_iter().flat_map(|b| b.tokens.into_words()).collect())
     }
 
     /// One round; tells whether there was anything to rewrite.
     fn round(&mut self, store: &mut Store) -> Result<bool, RunError> {
         let clock = Instant::now();
-        let length: u64 = self.order.iter().map(|b| b.len() as u64).sum();
-        let mut pairs = self.load();
+        let length: u64 = self.order.iter().map(|b| b.tokens.len() as u64).sum();
+        let (parts, mut pairs) = self.load();
         let mut records = queue(&pairs);
         self.limit_queue(&mut pairs, &mut records);
         lap(clock, &mut self.stats.decode);
@@ -101,11 +105,11 @@ impl<'p, 'r> Rounds<'p, 'r> {
 
         let clock = Instant::now();
         let block = self.schedule.block(self.block, length as usize, records.len());
-        self.order = write(&pairs, &grants, &outputs, block);
+        let moved = self.write(parts, &pairs, (&grants, &outputs), block);
         lap(clock, &mut self.stats.splice);
 
         self.odd = !self.odd;
-        self.finish(&records, length, function)
+        self.finish(&records, length, moved, function)
     }
 
     /// Stages execute and allocate.
@@ -128,38 +132,81 @@ impl<'p, 'r> Rounds<'p, 'r> {
         Ok((outputs, allocation))
     }
 
-    fn finish(&mut self, records: &[Record], length: u64, function: &str) -> Result<bool, RunError> {
+    fn finish(
+        &mut self,
+        records: &[Record],
+        length: u64,
+        moved: u64,
+        function: &str,
+    ) -> Result<bool, RunError> {
         if records.is_empty() {
-            self.idle += 1;
+            self.idle = if moved == 0 { self.idle + 1 } else { 0 };
             return match self.idle {
-                // Both ways of pairing were tried since the blocks last changed their sizes.
+                // Both ways of pairing were tried since the blocks last changed.
                 4.. => Err(self.pool.limits.fail(RunError::Internal("function tokens lack operands".into()))),
                 _ => Ok(false),
             };
         }
         self.idle = 0;
         self.stats.rounds += 1;
-        self.stats.tokens_moved += length;
+        self.stats.tokens_moved += moved;
         self.stats.longest_stream = self.stats.longest_stream.max(length);
         self.pool.limits.check_clock(function)?;
         Ok(true)
     }
 
-    /// Decodes all pairs.
-    fn load(&mut self) -> Vec<Pair> {
-        let mut blocks = std::mem::take(&mut self.order).into_iter();
-        let mut pairs = Vec::new();
-        if self.odd
-            && let Some(first) = blocks.next()
-        {
-            pairs.push((first, None));
-        }
-        while let Some(first) = blocks.next() {
-            pairs.push((first, blocks.next()));
-        }
+    /// Decodes the pairs that may have redexes; those that have some.
+    fn load(&mut self) -> (Vec<Part>, Vec<Pair>) {
+        let mut parts = pair_up(std::mem::take(&mut self.order), self.odd);
         let (code, components, regions) = (self.pool.code, self.components, self.schedule.regions());
-        let load = |(first, second)| decode(code, components, regions, first, second);
-        pairs.into_par_iter().with_min_len(4).map(load).collect()
+        let decode = |part: &mut &mut Part| decode(code, components, regions, part.tokens());
+        let mut open: Vec<&mut Part> = parts.iter_mut().filter(|part| !part.is_quiet()).collect();
+        let decoded: Vec<Pair> = match open.len() {
+            0..FEW => open.iter_mut().map(decode).collect(),
+            _ => open.par_iter_mut().with_min_len(4).map(decode).collect(),
+        };
+        let mut pairs = Vec::with_capacity(decoded.len());
+        for (part, pair) in open.into_iter().zip(decoded) {
+            if pair.redexes.is_empty() {
+                part.set_quiet();
+            } else {
+                part.pair = Some(pairs.len());
+                pairs.push(pair);
+            }
+        }
+        (parts, pairs)
+    }
+
+    /// Splices the pairs in which something was granted; how many tokens that wrote.
+    fn write(
+        &mut self,
+        parts: Vec<Part>,
+        pairs: &[Pair],
+        (grants, outputs): (&[Option<Grant>], &[Output]),
+        block: usize,
+    ) -> u64 {
+        let mut firsts = Vec::with_capacity(pairs.len());
+        let mut next = 0;
+        for pair in pairs {
+            firsts.push(next);
+            next += pair.redexes.len();
+        }
+        let write = |part: Part| {
+            let at =
+                part.pair.map(|at| (&pairs[at], &grants[firsts[at]..firsts[at] + pairs[at].redexes.len()]));
+            match at {
+                Some((pair, grants)) if grants.iter().any(Option::is_some) => {
+                    fresh(splice(pair, grants, outputs), block)
+                }
+                _ => part.keep(block),
+            }
+        };
+        let written: Vec<Vec<Block>> = match pairs.len() {
+            0..FEW => parts.into_iter().map(write).collect(),
+            _ => parts.into_par_iter().with_min_len(4).map(write).collect(),
+        };
+        self.order = join(written.into_iter());
+        self.order.iter().filter(|b| b.fresh).map(|b| b.tokens.len() as u64).sum()
     }
 
     /// Leaves as many redexes in the queue as the free memory holds in the worst case of one rewrite each, at
@@ -182,21 +229,6 @@ impl<'p, 'r> Rounds<'p, 'r> {
         let first = stream.functions_in(0, stream.len()).next();
         first.map_or("", |at| self.pool.code.function(stream.words()[at]))
     }
-}
-
-/// Splices all pairs.
-fn write(pairs: &[Pair], grants: &[Option<Grant>], outputs: &[Output], block: usize) -> Vec<Tokens> {
-    let mut firsts = Vec::with_capacity(pairs.len());
-    let mut next = 0;
-    for pair in pairs {
-        firsts.push(next);
-        next += pair.redexes.len();
-    }
-    let write = |(pair, first): (&Pair, &usize)| {
-        splice(pair, &grants[*first..*first + pair.redexes.len()], outputs, block)
-    };
-    let written: Vec<Vec<Tokens>> = pairs.par_iter().zip(&firsts).with_min_len(4).map(write).collect();
-    written.into_iter().flatten().collect()
 }
 
 /// Forgets all redexes but the first ones.

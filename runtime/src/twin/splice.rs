@@ -1,12 +1,12 @@
-//! Stage splice: kept tokens and granted outputs of a pair become evenly filled blocks.
+//! Stage splice: the new tokens of a pair, kept ones and granted outputs, and how they are cut into blocks.
 
 use super::allocate::Grant;
 use super::decode::Pair;
 use super::execute::Output;
 use super::tokens::Tokens;
 
-/// The pair with its granted redexes replaced, in blocks of at most `block` tokens.
-pub fn splice(pair: &Pair, grants: &[Option<Grant>], outputs: &[Output], block: usize) -> Vec<Tokens> {
+/// The pair's tokens with its granted redexes replaced.
+pub fn splice(pair: &Pair, grants: &[Option<Grant>], outputs: &[Output]) -> Tokens {
     let mut tokens = Tokens::default();
     let mut kept = 0;
     for (redex, grant) in pair.redexes.iter().zip(grants) {
@@ -16,7 +16,7 @@ pub fn splice(pair: &Pair, grants: &[Option<Grant>], outputs: &[Output], block: 
         kept = redex.to;
     }
     tokens.extend(&pair.tokens, kept, pair.tokens.len());
-    blocks(tokens, block)
+    tokens
 }
 
 /// Cuts tokens into as few blocks as they fit, evenly filled.

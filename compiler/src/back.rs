@@ -15,12 +15,36 @@ pub struct Back {
     pub table: Table,
     pub entry: TaskId,
     pub wgsl: Wgsl,
+    /// A fused loop may make more turns than an adapter allows in one rewrite.
+    pub has_long_loops: bool,
 }
+
+/// Turns that a fused loop may make in the form for adapters on which long loops do not end: llvmpipe ends them after
+/// 65535 turns of an invocation, which makes several rewrites.
+const LONG_LOOP: u64 = 2048;
 
 /// Optimises, splits and writes a verified program.
 pub fn back(mut program: Program) -> Back {
     optimise(&mut program);
     lift::loops(&mut program);
+    finish(program)
+}
+
+impl Back {
+    /// The same program with its long loops as tasks, which can be suspended. Its entry has the same number and
+    /// operands.
+    pub fn with_loops_as_tasks(&self) -> Back {
+        self.with_loops_of_more_than(LONG_LOOP)
+    }
+
+    fn with_loops_of_more_than(&self, turns: u64) -> Back {
+        let mut program = self.core.clone();
+        lift::long_loops(&mut program, turns);
+        finish(program)
+    }
+}
+
+fn finish(mut program: Program) -> Back {
     run(CLEANING, &mut program);
     let (table, entry) = split(&program);
     debug_assert_eq!(
@@ -28,7 +52,8 @@ pub fn back(mut program: Program) -> Back {
         None
     );
     let wgsl = wgsl::emit(&table, entry);
-    Back { core: program, table, entry, wgsl }
+    let has_long_loops = lift::has_long_loops(&program, LONG_LOOP);
+    Back { core: program, table, entry, wgsl, has_long_loops }
 }
 
 /// Sizes that tests hold and `ghyll explain` shows.
@@ -118,6 +143,8 @@ mod tests {
         let (plain, plain_entry) = split(&source);
         let back = back(source.clone());
         wgsl::tests::check(&back.wgsl);
+        let lifted = back.with_loops_of_more_than(1);
+        wgsl::tests::check(&lifted.wgsl);
         let mut random = Random::new(seed);
         let mut compared = 0;
         for _ in 0..4 {
@@ -131,6 +158,8 @@ mod tests {
             assert_eq!(split, expected, "split: {}", context());
             let all = rewritten(&back.table, back.entry, &args).map(canonical);
             assert_eq!(all, expected, "optimised and split: {}", context());
+            let lifted = rewritten(&lifted.table, lifted.entry, &args).map(canonical);
+            assert_eq!(lifted, expected, "with loops as tasks: {}", context());
             compared += 1;
         }
         compared

@@ -185,6 +185,33 @@ pub struct Loop {
     pub kind: LoopKind,
 }
 
+impl Loop {
+    /// The most turns it makes, where that is known: its index starts at a constant, goes up by one and has to stay
+    /// below another.
+    pub fn most_turns(&self) -> Option<u64> {
+        let (index, Atom::Const(Const::I32(first))) = self.state.first()? else { return None };
+        let Atom::Var(next) = self.body.results.first()? else { return None };
+        let step = self.body.stmts.iter().find(|s| s.dst == [*next])?;
+        let one = Op::Prim(Prim::Add, Scalar::I32, vec![Atom::Var(*index), Atom::Const(Const::I32(1))]);
+        let limit = self.limit(*index, *self.cond.results.first()?)?;
+        let turns = u64::try_from(i64::from(limit) - i64::from(*first)).unwrap_or(0);
+        (step.op == one).then_some(turns)
+    }
+
+    /// A constant that the index is below where `cond` holds.
+    fn limit(&self, index: Var, cond: Atom) -> Option<i32> {
+        let Atom::Var(cond) = cond else { return None };
+        match &self.cond.stmts.iter().find(|s| s.dst == [cond])?.op {
+            Op::Prim(Prim::Lt, Scalar::I32, test) => match test.as_slice() {
+                [Atom::Var(v), Atom::Const(Const::I32(limit))] if *v == index => Some(*limit),
+                _ => None,
+            },
+            Op::Prim(Prim::And, Scalar::Bool, both) => both.iter().find_map(|c| self.limit(index, *c)),
+            _ => None,
+        }
+    }
+}
+
 /// What a loop was in the source. When its body calls tasks it becomes tokens: `Fold`, `Any` and `All` a
 /// recursive task, `Sum` a balanced tree.
 ///

@@ -24,6 +24,11 @@ pub fn initial(table: &Table, entry: TaskId, args: &[Const]) -> Stream {
             return stream;
         }
     }
+    call(entry, args)
+}
+
+/// `args entry`.
+pub fn call(entry: TaskId, args: &[Const]) -> Stream {
     args.iter().map(|c| Token::Literal(*c)).chain([Token::Function(entry)]).collect()
 }
 

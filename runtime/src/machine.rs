@@ -10,6 +10,7 @@ use crate::terrain::{Scene, wgsl};
 use crate::twin::Twin;
 use crate::value::Value;
 use crate::world::World;
+use ghyll_compiler::back::Back;
 use ghyll_compiler::compile::Compiled;
 use ghyll_compiler::core::{Const, Scalar};
 use ghyll_compiler::front::Checked;
@@ -181,24 +182,23 @@ impl Job<'_> {
 
     fn code(&self, prelude: String) -> gpu::Code {
         let back = &self.compiled.back;
-        let tasks = &back.table.tasks;
         let entry = &self.checked.module.functions[self.compiled.entry.0 as usize].name;
-        gpu::Code {
-            functions: back.wgsl.text.clone(),
-            has_shade: back.wgsl.has_shade,
-            fused: back.wgsl.fused,
-            arities: tasks.iter().map(|t| t.arity()).collect(),
-            longest_emission: back.table.longest_emission(),
-            names: tasks.iter().map(|t| &t.function).chain([entry]).cloned().collect(),
-            prelude,
-            live_words: back.core.live.iter().map(|(_, scalars)| scalars.len() as u32).sum(),
-        }
+        let suspendable = back.has_long_loops.then(|| {
+            let (back, entry) = (back.clone(), entry.clone());
+            gpu::Suspendable::new(move || code(&back.with_loops_as_tasks(), &entry))
+        });
+        gpu::Code { prelude, suspendable, ..code(back, entry) }
     }
 
     /// Initial stream as the GPU takes it.
     pub fn stream(&self, args: &[Value]) -> Result<Vec<(u32, bool)>, RunError> {
         let back = &self.compiled.back;
-        let stream = stream::initial(&back.table, back.entry, &self.constants(args)?);
+        let constants = self.constants(args)?;
+        let stream = match back.has_long_loops {
+            // The form with loops as tasks has the entry only in common.
+            true => stream::call(back.entry, &constants),
+            false => stream::initial(&back.table, back.entry, &constants),
+        };
         let token = |token: &Token<Const>| match token {
             Token::Literal(constant) => (constant.word(), false),
             Token::Function(task) => (task.0, true),
@@ -251,6 +251,20 @@ impl Job<'_> {
             set,
             threads: config.threads,
         }
+    }
+}
+
+fn code(back: &Back, entry: &str) -> gpu::Code {
+    let tasks = &back.table.tasks;
+    gpu::Code {
+        functions: back.wgsl.text.clone(),
+        has_shade: back.wgsl.has_shade,
+        fused: back.wgsl.fused,
+        arities: tasks.iter().map(|t| t.arity()).collect(),
+        longest_emission: back.table.longest_emission(),
+        names: tasks.iter().map(|t| t.function.clone()).chain([entry.to_owned()]).collect(),
+        live_words: back.core.live.iter().map(|(_, scalars)| scalars.len() as u32).sum(),
+        ..gpu::Code::default()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Lambda-lifts loops whose condition or body calls tasks into recursive functions.
+//! Lambda-lifts loops whose condition or body calls tasks, or that are long, into recursive functions.
 //!
 //! `fold`, `any` and `all` recurse on their state, which the splitter makes a loop of continuations. `sum` becomes a
 //! balanced binary tree over its range, all of whose leaves can be evaluated in parallel:
@@ -7,6 +7,7 @@
 use std::collections::HashSet;
 
 use super::tasks;
+use crate::core::graph::Graph;
 use crate::core::walk::{Free, calls, statements};
 use crate::core::{
     Atom, Block, Const, FnId, Function, Loop, LoopKind, Mark, Op, Prim, Program, Scalar, Stmt, Var,
@@ -14,7 +15,69 @@ use crate::core::{
 
 /// Lifts all such loops of the program, outermost first; inner ones are lifted out of the new functions.
 pub fn loops(program: &mut Program) {
-    let mut lifter = Lifter { is_task: tasks(program), names: HashSet::new(), new: Vec::new(), base: 0 };
+    let is_task = tasks(program);
+    lift(program, Turns { of: vec![0; is_task.len()], most: u64::MAX }, is_task);
+}
+
+/// Lifts the loops that may make more than `most` turns in one rewrite as well: as tasks they can be suspended.
+pub fn long_loops(program: &mut Program, most: u64) {
+    let (is_task, turns, _) = measure(program, most);
+    lift(program, turns, is_task);
+}
+
+/// Whether a loop may make more than `most` turns in one rewrite.
+pub fn has_long_loops(program: &Program, most: u64) -> bool {
+    measure(program, most).2
+}
+
+/// Which functions are tasks once long loops are, how many turns the others make, and whether any loop is long.
+fn measure(program: &Program, most: u64) -> (Vec<bool>, Turns, bool) {
+    let mut is_task = tasks(program);
+    let mut turns = Turns { of: vec![0; is_task.len()], most };
+    let mut any = false;
+    let graph = Graph::new(&program.functions);
+    for &f in &graph.bottom_up {
+        let stmts = &program.functions[f].body.stmts;
+        let mut has_long = false;
+        statements(stmts, &mut |stmt| has_long |= matches!(&stmt.op, Op::Loop(l) if turns.is_long(l)));
+        any |= has_long;
+        is_task[f] |= has_long || graph.callees[f].iter().any(|g| is_task[*g]);
+        // What a task does is done by another rewrite.
+        turns.of[f] = if is_task[f] { 0 } else { turns.block(stmts) };
+    }
+    (is_task, turns, any)
+}
+
+/// Bounds of the loop turns that a rewrite makes.
+struct Turns {
+    /// Turns of a call of each function; 0 for tasks, and for functions that are not listed.
+    of: Vec<u64>,
+    /// A loop that may make more is long.
+    most: u64,
+}
+
+impl Turns {
+    fn is_long(&self, l: &Loop) -> bool {
+        self.most < u64::MAX && self.looped(l) > self.most
+    }
+
+    fn looped(&self, l: &Loop) -> u64 {
+        let turn = [&l.cond, &l.body].iter().fold(1u64, |n, b| n.saturating_add(self.block(&b.stmts)));
+        l.most_turns().map_or(u64::MAX, |turns| turns.saturating_mul(turn))
+    }
+
+    fn block(&self, stmts: &[Stmt]) -> u64 {
+        let of = |stmt: &Stmt| match &stmt.op {
+            Op::Call(id, _) => self.of.get(id.0 as usize).copied().unwrap_or(0),
+            Op::Loop(l) => self.looped(l),
+            op => op.blocks().iter().map(|b| self.block(&b.stmts)).max().unwrap_or(0),
+        };
+        stmts.iter().fold(0, |n, stmt| n.saturating_add(of(stmt)))
+    }
+}
+
+fn lift(program: &mut Program, turns: Turns, is_task: Vec<bool>) {
+    let mut lifter = Lifter { is_task, turns, names: HashSet::new(), new: Vec::new(), base: 0 };
     lifter.names = program.functions.iter().map(|f| f.name.clone()).collect();
     let mut at = 0;
     while at < program.functions.len() {
@@ -30,6 +93,7 @@ pub fn loops(program: &mut Program) {
 
 struct Lifter {
     is_task: Vec<bool>,
+    turns: Turns,
     names: HashSet<String>,
     /// Functions made of the current one's loops.
     new: Vec<Function>,
@@ -42,7 +106,7 @@ impl Lifter {
         let mut stmts = Vec::with_capacity(block.stmts.len());
         for mut stmt in std::mem::take(&mut block.stmts) {
             if let Op::Loop(l) = &stmt.op
-                && self.calls_task(l)
+                && (self.calls_task(l) || self.turns.is_long(l))
             {
                 let l = l.clone();
                 self.lift(f, stmt.dst, &l, &mut stmts);

@@ -271,17 +271,5 @@ fn spends(stmts: &[Stmt], fueled: &[bool], around: u64) -> bool {
 
 /// Iterations of the loop times those around, if the loop is known to be short enough to spend no fuel.
 fn free_iterations(l: &Loop, around: u64) -> Option<u64> {
-    let (index, Atom::Const(Const::I32(first))) = l.state.first()? else { return None };
-    let [Stmt { dst, op: Op::Prim(Prim::Lt, Scalar::I32, test) }] = l.cond.stmts.as_slice() else {
-        return None;
-    };
-    let [Atom::Var(tested), Atom::Const(Const::I32(limit))] = test.as_slice() else { return None };
-    if tested != index || l.cond.results != [Atom::Var(dst[0])] {
-        return None;
-    }
-    let Some(Atom::Var(next)) = l.body.results.first() else { return None };
-    let step = l.body.stmts.iter().find(|s| s.dst == [*next])?;
-    let one = Op::Prim(Prim::Add, Scalar::I32, vec![Atom::Var(*index), Atom::Const(Const::I32(1))]);
-    let trips = u64::try_from(i64::from(*limit) - i64::from(*first)).unwrap_or(0);
-    (step.op == one).then(|| around.saturating_mul(trips.max(1))).filter(|n| *n <= FREE_ITERATIONS)
+    l.most_turns().map(|turns| around.saturating_mul(turns.max(1))).filter(|n| *n <= FREE_ITERATIONS)
 }

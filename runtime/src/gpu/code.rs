@@ -1,5 +1,8 @@
 //! What the rewriter is given: the program's code, and how to run it.
 
+use std::fmt::{self, Debug, Formatter};
+use std::sync::Arc;
+
 /// A compiled program. The WGSL functions are written for the window that `shaders/window.wgsl` declares.
 #[derive(Clone, Debug, Default)]
 pub struct Code {
@@ -18,6 +21,29 @@ pub struct Code {
     pub prelude: String,
     /// Words of live parameters.
     pub live_words: u32,
+    /// For an adapter or a time limit that does not let a fused loop end.
+    pub suspendable: Option<Suspendable>,
+}
+
+/// Makes the same program with its long loops as tasks, which a lane can leave and take up again. The entry keeps its
+/// number and operands; streams that hold other tasks do not fit it.
+#[derive(Clone)]
+pub struct Suspendable(Arc<dyn Fn() -> Code + Send + Sync>);
+
+impl Suspendable {
+    pub fn new(make: impl Fn() -> Code + Send + Sync + 'static) -> Suspendable {
+        Suspendable(Arc::new(make))
+    }
+
+    pub fn code(&self) -> Code {
+        (self.0)()
+    }
+}
+
+impl Debug for Suspendable {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        f.write_str("Suspendable")
+    }
 }
 
 impl Code {

@@ -209,14 +209,40 @@ impl Engine {
     pub fn run(&mut self, stream: &[(u32, bool)]) -> Result<Outcome, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
+        let words = loop {
+            match self.value(&mut job, stream) {
+                Err(error @ RunError::LoopTooLong { .. }) => self.suspend_loops(&mut job, error)?,
+                other => break other?,
+            }
+        };
+        Ok(Outcome { words, stats: self.close(job, compiled) })
+    }
+
+    fn value(&mut self, job: &mut Job, stream: &[(u32, bool)]) -> Result<Vec<u32>, RunError> {
         self.lean = false;
         loop {
             let mut state = self.load(stream)?;
-            if self.rewrite(&mut job, &mut state)? == Ended::Normal {
-                let words = self.literals(&state)?;
-                return Ok(Outcome { words, stats: self.close(job, compiled) });
+            if self.rewrite(job, &mut state)? == Ended::Normal {
+                return self.literals(&state);
             }
         }
+    }
+
+    /// After a fused loop that cannot end within a submission: goes on with the form of the program whose long loops
+    /// are tasks. `error` is returned if there is none.
+    pub(super) fn suspend_loops(&mut self, job: &mut Job, error: RunError) -> Result<(), RunError> {
+        let Some(suspendable) = self.code.suspendable.take() else { return Err(error) };
+        let code = Code { prelude: std::mem::take(&mut self.code.prelude), ..suspendable.code() };
+        let scene = self.pipelines.scene().cloned().zip(self.scene.clone());
+        let scene = scene.map(|(layout, group)| Scene { layout, group });
+        let (config, components) = (self.config.clone(), self.shape.components);
+        let old =
+            std::mem::replace(self, Engine::with_components(&self.gpu, code, config, scene, components)?);
+        self.pipelines.compiling += old.pipelines.compiling;
+        self.set_live(&old.live);
+        // Task numbers are others now.
+        job.latest = NO_TASK;
+        Ok(())
     }
 
     pub(super) fn close(&self, job: Job, compiled: Duration) -> Stats {

@@ -44,10 +44,10 @@ impl Fuel {
         self.steps = ((f64::from(self.steps) * factor) as i32).clamp(LEAST, MOST);
     }
 
-    /// Gives a fused loop more steps; false if it would take longer than a submission may.
-    pub fn extend(&mut self, time: Duration) -> bool {
+    /// Gives a fused loop more steps, `cap` at most; false if it would take longer than a submission may.
+    pub fn extend(&mut self, time: Duration, cap: i32) -> bool {
         self.rounds = 1;
-        if time.as_secs_f64() > 0.4 || self.steps == MOST {
+        if time.as_secs_f64() > 0.4 || self.steps >= cap.min(MOST) {
             return false;
         }
         self.scale((1.2 / time.as_secs_f64().max(1e-6)).clamp(2.0, 8.0));
@@ -78,8 +78,9 @@ mod tests {
     #[test]
     fn loops_get_more_until_a_submission_takes_too_long() {
         let mut fuel = Fuel::default();
-        assert!(fuel.extend(Duration::from_millis(10)));
+        assert!(fuel.extend(Duration::from_millis(10), i32::MAX));
         assert!(fuel.steps > 1024);
-        assert!(!fuel.extend(Duration::from_secs(1)));
+        assert!(!fuel.extend(Duration::from_secs(1), i32::MAX));
+        assert!(!fuel.extend(Duration::from_millis(10), 1000));
     }
 }

@@ -42,6 +42,16 @@ impl Engine {
     pub fn draw(&mut self, width: u32, height: u32, entry: u32) -> Result<Stats, RunError> {
         let mut job = Job::new();
         let compiled = self.pipelines.compiling;
+        loop {
+            match self.draw_all(&mut job, width, height, entry) {
+                Err(error @ RunError::LoopTooLong { .. }) => self.suspend_loops(&mut job, error)?,
+                other => break other?,
+            }
+        }
+        Ok(self.close(job, compiled))
+    }
+
+    fn draw_all(&mut self, job: &mut Job, width: u32, height: u32, entry: u32) -> Result<(), RunError> {
         self.lean = false;
         self.fit(width, height)?;
         let direct = match self.config.rewriter {
@@ -51,18 +61,18 @@ impl Engine {
         };
         let mut done = false;
         if direct {
-            done = match self.direct(&mut job, width, height, entry) {
+            done = match self.direct(job, width, height, entry) {
                 // A lane with a window can be suspended, one without cannot.
                 Err(RunError::LoopTooLong { .. }) if !self.code.fused => false,
                 other => other.map(|()| true)?,
             };
         }
         if !done && self.config.rewriter == Rewriter::Block {
-            self.stream_pixels(&mut job, width, height, entry)?;
+            self.stream_pixels(job, width, height, entry)?;
         } else if !done {
-            self.draw_pixels(&mut job, width, height, entry)?;
+            self.draw_pixels(job, width, height, entry)?;
         }
-        Ok(self.close(job, compiled))
+        Ok(())
     }
 
     /// The picture that was last drawn, of the same size.

@@ -31,7 +31,7 @@ mod tests;
 
 pub use crate::config::{Config, Rewriter};
 pub use crate::error::RunError;
-pub use code::Code;
+pub use code::{Code, Suspendable};
 pub use device::{Gpu, GpuOptions, Info};
 pub use engine::{Engine, Frame, Outcome, Scene, Stats};
 pub use error::GpuError;

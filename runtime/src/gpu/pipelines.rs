@@ -208,6 +208,11 @@ impl Pipelines {
         }
     }
 
+    /// Layout of group 1.
+    pub fn scene(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.scene.as_ref()
+    }
+
     /// A kernel that `prepare` has compiled.
     pub fn get(&self, kernel: Kernel) -> Option<&wgpu::ComputePipeline> {
         self.ready.get(&kernel)

@@ -189,7 +189,7 @@ impl Engine {
             let cold = std::mem::take(&mut cold);
             if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
                 let time = if cold { Duration::ZERO } else { time / rounds };
-                if state.idle >= 2 && !self.fuel.extend(time) {
+                if state.idle >= 2 && !self.fuel.extend(time, self.cap) {
                     return Err(self.loop_too_long(state));
                 }
             } else if !cold {

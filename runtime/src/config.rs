@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use crate::memory::Memory;
+
 /// Strategy of the rewriter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rewriter {
@@ -22,7 +24,7 @@ pub struct Config {
     /// Tokens in a block; raised to what the longest arity needs.
     pub block: u32,
     pub threads: Option<usize>,
-    /// Bytes for the stream and all windows together.
+    /// Bytes for all that a run keeps: [`Memory`].
     pub max_memory: u64,
     pub max_rewrites: Option<u64>,
     pub timeout: Duration,
@@ -55,8 +57,8 @@ pub struct Stats {
     pub tokens_moved: u64,
     /// The longest stream between two rounds, in tokens.
     pub longest_stream: u64,
-    /// Bytes of stream and windows at their greatest.
-    pub peak_memory: u64,
+    /// Bytes at their greatest.
+    pub memory: Memory,
     pub decode: Duration,
     pub execute: Duration,
     pub allocate: Duration,

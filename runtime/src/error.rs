@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::memory::{Memory, allowance, size};
+
 /// A run that ended without a value (exit status 3 on the command line).
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RunError {
@@ -17,6 +19,14 @@ pub enum RunError {
         size(*bytes), size(*limit)
     )]
     OutOfMemory { function: String, bytes: u64, limit: u64 },
+
+    /// Before the run: what it cannot do without is more than is allowed.
+    #[error(
+        "the run needs at least {} of memory ({needed}), {} are allowed; allow it with --max-memory {}{}",
+        size(needed.total()), size(*limit), allowance(needed.total()),
+        if needed.image > 0 { " or make the picture smaller" } else { "" }
+    )]
+    TooLittleMemory { needed: Memory, limit: u64 },
 
     #[error(
         "`{function}` was reached with all {limit} rewrites spent and the program was not finished; \
@@ -67,38 +77,23 @@ pub enum RunError {
     Internal(String),
 }
 
-/// Bytes for a reader: three digits and a binary unit.
-fn size(bytes: u64) -> String {
-    const UNITS: [&str; 5] = ["bytes", "KiB", "MiB", "GiB", "TiB"];
-    let mut value = bytes as f64;
-    let mut unit = 0;
-    while value >= 1024.0 && unit + 1 < UNITS.len() {
-        value /= 1024.0;
-        unit += 1;
-    }
-    match unit {
-        0 => format!("{bytes} bytes"),
-        _ if value < 10.0 => format!("{value:.1} {}", UNITS[unit]),
-        _ => format!("{value:.0} {}", UNITS[unit]),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_have_units() {
-        assert_eq!(size(12), "12 bytes");
-        assert_eq!(size(1536), "1.5 KiB");
-        assert_eq!(size(4 << 30), "4.0 GiB");
-        assert_eq!(size(64 << 20), "64 MiB");
-    }
 
     #[test]
     fn messages_name_the_function() {
         let error = RunError::OutOfMemory { function: "grow".into(), bytes: 3 << 20, limit: 2 << 20 };
         let text = error.to_string();
         assert!(text.contains("`grow`") && text.contains("3.0 MiB of 2.0 MiB"), "{text}");
+    }
+
+    #[test]
+    fn messages_name_the_resource() {
+        let needed = Memory { stream: 50 << 10, image: 3 << 20, ..Memory::default() };
+        let text = RunError::TooLittleMemory { needed, limit: 1024 }.to_string();
+        let parts =
+            ["stream 50 KiB", "image 3.0 MiB", "1.0 KiB are allowed", "--max-memory 3122K", "smaller"];
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
     }
 }

@@ -8,6 +8,7 @@ pub mod gpu;
 pub mod gpu_terrain;
 pub mod image;
 pub mod machine;
+pub mod memory;
 pub mod oracle;
 pub mod terrain;
 pub mod twin;

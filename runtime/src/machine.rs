@@ -106,7 +106,7 @@ impl Job<'_> {
             }
             Machine::Cpu => {
                 let stream = stream::initial(&back.table, back.entry, &self.constants(args)?);
-                self.twin(config)?.run(&stream, config, self.world())?
+                self.twin(config)?.run(&stream, config, self.world_of_code())?
             }
             Machine::Gpu(gpu) => {
                 let mut engine = self.engine(gpu, config, 0)?;
@@ -138,7 +138,7 @@ impl Job<'_> {
             }
             Machine::Cpu => {
                 let twin = self.twin(config)?;
-                twin.render((width, height), components, back.entry, config, self.world())?
+                twin.render((width, height), components, back.entry, config, self.world_of_code())?
             }
             Machine::Gpu(gpu) => {
                 let mut engine = self.engine(gpu, config, components)?;
@@ -171,8 +171,9 @@ impl Job<'_> {
                 .map_err(|e| RunError::Device(e.to_string()))?;
             let layout = GpuTerrain::layout(&gpu.device);
             let group = terrain.bind_group(&gpu.device, &layout);
+            let bytes = terrain.bytes().iter().sum();
             prelude = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
-            (bound, kept) = (Some(gpu::Scene { layout, group }), Some(terrain));
+            (bound, kept) = (Some(gpu::Scene { layout, group, bytes }), Some(terrain));
         }
         let mut engine =
             gpu::Engine::with_components(gpu, self.code(prelude), config.clone(), bound, components)?;
@@ -241,6 +242,11 @@ impl Job<'_> {
         self.scene.map(|scene| scene as &dyn World)
     }
 
+    /// The scene, if the code looks at it: else it takes no memory.
+    fn world_of_code(&self) -> Option<&dyn World> {
+        self.world().filter(|_| !self.compiled.back.wgsl.intrinsics.is_empty())
+    }
+
     fn oracle_options(&self, precision: oracle::Precision, config: &Config) -> OracleOptions {
         let set = self.compiled.settings.set.iter().map(|(id, s)| (*id, s.clone())).collect();
         OracleOptions {
@@ -298,7 +304,7 @@ pub fn gpu_stats(gpu: &gpu::Stats) -> Stats {
         rounds: gpu.rounds,
         rewrites: gpu.rewrites,
         tokens_moved: gpu.moved,
-        peak_memory: gpu.arena_bytes,
+        memory: gpu.memory,
         dispatches: gpu.dispatches,
         submissions: gpu.submissions,
         suspended: gpu.suspended,

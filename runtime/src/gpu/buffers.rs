@@ -2,6 +2,8 @@
 
 use super::layout::{PAIR_BYTES, Params, State};
 use super::shape::Shape;
+use crate::error::RunError;
+use crate::memory::Memory;
 
 const WORD: u64 = 4;
 
@@ -13,10 +15,61 @@ pub struct Capacity {
     pub records: u32,
 }
 
+/// Arena to begin with, and what the records of one round may take.
+const ARENA_BYTES: u64 = 16 << 20;
+const RECORD_BYTES: u64 = 24 << 20;
+/// Least arena: a lane's pages, its round's splice and some stream.
+const LEAST_BLOCKS: u32 = 24;
+const LEAST_RECORDS: u32 = 8;
+const MOST_RECORDS: u64 = 1 << 18;
+
 impl Capacity {
+    const LEAST: Capacity = Capacity { blocks: LEAST_BLOCKS, records: LEAST_RECORDS };
+
+    /// What to begin with where `limit` bytes are allowed for it and for `fixed`.
+    pub fn within(limit: u64, fixed: Memory, shape: &Shape) -> Result<Capacity, RunError> {
+        let least = Capacity::LEAST.memory(shape);
+        let needed = Memory { stream: least.stream, records: least.records, ..fixed };
+        if needed.total() > limit {
+            return Err(RunError::TooLittleMemory { needed, limit });
+        }
+        let free = limit - fixed.total();
+        let records = RECORD_BYTES.min(free / 4) / record_bytes(shape);
+        let records = records.clamp(u64::from(LEAST_RECORDS), MOST_RECORDS) as u32;
+        let capacity = Capacity { records, ..Capacity::LEAST };
+        let stream = (free - capacity.memory(shape).records - 2 * PAIR_BYTES).min(ARENA_BYTES);
+        let blocks = stream / block_bytes(shape);
+        Ok(Capacity { blocks: blocks.max(u64::from(LEAST_BLOCKS)) as u32, records })
+    }
+
+    /// Blocks that the arena may grow to while the old one is still held, within `limit` bytes for all and with `others` in
+    /// use beside the stream.
+    pub fn growth(&self, limit: u64, others: u64, shape: &Shape) -> u32 {
+        let most = limit.saturating_sub(others) / block_bytes(shape);
+        let most = most.saturating_sub(u64::from(self.blocks)).min(u64::from(self.blocks) * 4);
+        most.max(u64::from(self.blocks)).min(1 << 28) as u32
+    }
+
     pub fn arena_bytes(&self, shape: &Shape) -> u64 {
         u64::from(self.blocks) * u64::from(shape.stride()) * WORD
     }
+
+    pub fn memory(&self, shape: &Shape) -> Memory {
+        Memory {
+            stream: u64::from(self.blocks) * block_bytes(shape) + 2 * PAIR_BYTES,
+            records: u64::from(self.records) * record_bytes(shape),
+            ..Memory::default()
+        }
+    }
+}
+
+/// A block with its places in the lists and its half of a pair.
+fn block_bytes(shape: &Shape) -> u64 {
+    u64::from(shape.stride()) * WORD + list_words(1) * WORD + PAIR_BYTES / 2
+}
+
+fn record_bytes(shape: &Shape) -> u64 {
+    u64::from(shape.record()) * WORD
 }
 
 pub struct Buffers {
@@ -73,16 +126,16 @@ impl Buffers {
             arena: storage(device, "arena", capacity.arena_bytes(shape)),
             lists: storage(device, "lists", list_words(capacity.blocks) * WORD),
             pairs: storage(device, "pairs", (u64::from(capacity.blocks) / 2 + 2) * PAIR_BYTES),
-            records: storage(
-                device,
-                "records",
-                u64::from(capacity.records) * u64::from(shape.record()) * WORD,
-            ),
+            records: storage(device, "records", u64::from(capacity.records) * record_bytes(shape)),
             image: storage(device, "image", 0),
             tables: storage(device, "tables", table_words * WORD),
             lane_groups: indirect(device, "lane groups", 12),
             pair_groups: indirect(device, "pair groups", 24),
         }
+    }
+
+    pub fn memory(&self, shape: &Shape) -> Memory {
+        Memory { image: self.image.size(), ..self.capacity.memory(shape) }
     }
 
     /// Makes room for an image; true if the buffer is a new one.
@@ -92,6 +145,14 @@ impl Buffers {
         }
         self.image = storage(device, "image", bytes);
         true
+    }
+
+    /// Smaller buffers for the streams to come.
+    pub fn shrink(&mut self, device: &wgpu::Device, shape: &Shape, capacity: Capacity) {
+        let table_words = self.tables.size() / WORD;
+        let new = Buffers::new(device, shape, capacity, table_words);
+        let old = std::mem::replace(self, new);
+        (self.tables, self.image) = (old.tables, old.image);
     }
 
     /// Moves the stream into an arena of `blocks` blocks. The free stack's new entries are the host's to write.

@@ -13,11 +13,14 @@ use super::readback::Readback;
 use super::shape::Shape;
 use crate::config::{Config, Rewriter};
 use crate::error::RunError;
+use crate::memory::Memory;
 
 /// Bind group 1 of the program's functions.
 pub struct Scene {
     pub layout: wgpu::BindGroupLayout,
     pub group: wgpu::BindGroup,
+    /// What its buffers take.
+    pub bytes: u64,
 }
 
 /// What a run cost.
@@ -29,7 +32,7 @@ pub struct Stats {
     pub moved: u64,
     pub dispatches: u64,
     pub submissions: u64,
-    pub arena_bytes: u64,
+    pub memory: Memory,
     /// Most blocks in use.
     pub blocks_peak: u32,
     /// Lanes that were suspended.
@@ -63,6 +66,7 @@ pub struct Engine {
     pub(super) buffers: Buffers,
     pub(super) groups: Groups,
     pub(super) scene: Option<wgpu::BindGroup>,
+    pub(super) scene_bytes: u64,
     pub(super) readback: Readback,
     pub(super) fuel: Fuel,
     /// Most fuel of a lane in a dispatch.
@@ -122,21 +126,6 @@ impl Job {
     }
 }
 
-/// Arena to begin with, and what the records of one round may take.
-const ARENA_BYTES: u64 = 16 << 20;
-const RECORD_BYTES: u64 = 24 << 20;
-/// Least arena: a lane's pages, its round's splice and some stream.
-pub(super) const LEAST_BLOCKS: u64 = 24;
-
-fn capacity(shape: &Shape, config: &Config) -> Capacity {
-    let stride = u64::from(shape.stride()) * 4;
-    let record = u64::from(shape.record()) * 4;
-    Capacity {
-        blocks: (ARENA_BYTES.min(config.max_memory) / stride).max(LEAST_BLOCKS) as u32,
-        records: (RECORD_BYTES.min(config.max_memory / 4) / record).clamp(8, 1 << 18) as u32,
-    }
-}
-
 impl Engine {
     pub fn new(gpu: &Gpu, code: Code, config: Config, scene: Option<Scene>) -> Result<Engine, RunError> {
         Engine::with_components(gpu, code, config, scene, 0)
@@ -161,13 +150,15 @@ impl Engine {
         scene: Option<Scene>,
         shape: Shape,
     ) -> Result<Engine, RunError> {
-        let (layout, group) = match scene {
-            Some(scene) => (Some(scene.layout), Some(scene.group)),
-            None => (None, None),
+        let (layout, group, scene_bytes) = match scene {
+            Some(scene) => (Some(scene.layout), Some(scene.group), scene.bytes),
+            None => (None, None, 0),
         };
         let pipelines = Pipelines::new(&gpu.device, layout, config.trusted);
         let table_words = code.arities.len() as u64 + 1 + u64::from(code.live_words);
-        let buffers = Buffers::new(&gpu.device, &shape, capacity(&shape, &config), table_words);
+        let fixed = Memory { terrain: scene_bytes, readback: Readback::LEAST, ..Memory::default() };
+        let capacity = Capacity::within(config.max_memory, fixed, &shape)?;
+        let buffers = Buffers::new(&gpu.device, &shape, capacity, table_words);
         let groups = pipelines.groups(&gpu.device, &buffers);
         let mut tables = code.arities.clone();
         tables.push(shape.components + 1);
@@ -182,6 +173,7 @@ impl Engine {
             buffers,
             groups,
             scene: group,
+            scene_bytes,
             readback: Readback::default(),
             fuel: Fuel::default(),
             cap: gpu.loop_turns().map_or(i32::MAX, |turns| turns as i32 / 3),
@@ -234,7 +226,7 @@ impl Engine {
         let Some(suspendable) = self.code.suspendable.take() else { return Err(error) };
         let code = Code { prelude: std::mem::take(&mut self.code.prelude), ..suspendable.code() };
         let scene = self.pipelines.scene().cloned().zip(self.scene.clone());
-        let scene = scene.map(|(layout, group)| Scene { layout, group });
+        let scene = scene.map(|(layout, group)| Scene { layout, group, bytes: self.scene_bytes });
         let (config, components) = (self.config.clone(), self.shape.components);
         let old =
             std::mem::replace(self, Engine::with_components(&self.gpu, code, config, scene, components)?);
@@ -249,8 +241,17 @@ impl Engine {
         Stats {
             time: job.started.elapsed(),
             compiling: self.pipelines.compiling - compiled,
-            arena_bytes: self.buffers.capacity.arena_bytes(&self.shape),
+            memory: self.memory(),
             ..job.stats
+        }
+    }
+
+    /// What the engine's buffers take.
+    pub(super) fn memory(&self) -> Memory {
+        Memory {
+            terrain: self.scene_bytes,
+            readback: self.readback.bytes(),
+            ..self.buffers.memory(&self.shape)
         }
     }
 
@@ -286,7 +287,7 @@ impl Engine {
             most_turns: self.gpu.loop_turns().map_or(u32::MAX >> 1, |turns| turns / 2),
             parallel: self.gpu.parallel_groups(),
             floor: self.floor(),
-            may_grow: u32::from(self.buffers.capacity.blocks < self.most_blocks()),
+            may_grow: u32::from(self.buffers.capacity.blocks < self.next_blocks()),
             ..Params::default()
         }
     }

@@ -3,11 +3,13 @@
 
 use std::time::{Duration, Instant};
 
+use super::buffers::Capacity;
 use super::engine::{Ended, Engine, Frame, Job, Stats};
 use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
 use super::shader::Kernel;
 use crate::config::Rewriter;
 use crate::error::RunError;
+use crate::memory::Memory;
 
 /// What a submission of pixels should take; a driver's watchdog waits for 2 s.
 const SUBMISSION: Duration = Duration::from_millis(400);
@@ -21,6 +23,9 @@ const LEAST_PIXEL_FUEL: i32 = 32;
 pub const PIXEL_SHARE: i32 = 256;
 /// Steps of fused loops in one pixel of `direct`, to begin with.
 const DIRECT_FUEL: i32 = 1 << 16;
+
+/// Bytes of a picture that are read back at a time.
+const PIECE: u64 = 16 << 20;
 
 /// Pixel at an index in tile order, which runs over whole tiles of 8x8.
 fn pixel_at(index: u32, width: u32) -> (u32, u32) {
@@ -77,9 +82,14 @@ impl Engine {
 
     /// The picture that was last drawn, of the same size.
     pub fn picture(&mut self, width: u32, height: u32) -> Result<Vec<f32>, RunError> {
-        let words = (width * height * self.shape.components) as usize;
-        let bits = self.readback.read(&self.gpu, &[(&self.buffers.image, 0, words)])?;
-        Ok(bytemuck::cast_vec(bits))
+        let words = u64::from(width * height * self.shape.components);
+        let mut picture = Vec::with_capacity(words as usize);
+        for first in (0..words).step_by(PIECE as usize / 4) {
+            let count = (words - first).min(PIECE / 4) as usize;
+            let bits = self.readback.read(&self.gpu, &[(&self.buffers.image, first, count)])?;
+            picture.extend(bits.into_iter().map(f32::from_bits));
+        }
+        Ok(picture)
     }
 
     /// The picture on the device: words as in [`Frame`], valid until the next call.
@@ -94,7 +104,17 @@ impl Engine {
         if bytes > limit || bytes > u64::from(u32::MAX) {
             return Err(RunError::ImageTooLarge { width, height, limit });
         }
-        if self.buffers.fit_image(&self.gpu.device, bytes) {
+        // The image has its place first; the stream has what is left.
+        let image = bytes.max(self.buffers.image.size());
+        let readback = self.readback.bytes().max(bytes.min(PIECE));
+        let fixed = Memory { image, readback, terrain: self.scene_bytes, ..Memory::default() };
+        let stream = self.buffers.capacity.memory(&self.shape);
+        let crowded = stream.total() + fixed.total() > self.config.max_memory;
+        if crowded {
+            let capacity = Capacity::within(self.config.max_memory, fixed, &self.shape)?;
+            self.buffers.shrink(&self.gpu.device, &self.shape, capacity);
+        }
+        if self.buffers.fit_image(&self.gpu.device, bytes) || crowded {
             self.groups = self.pipelines.groups(&self.gpu.device, &self.buffers);
         }
         Ok(())

@@ -15,6 +15,13 @@ pub struct Readback {
 }
 
 impl Readback {
+    /// What the state of a run takes.
+    pub const LEAST: u64 = 256;
+
+    pub fn bytes(&self) -> u64 {
+        self.buffer.as_ref().map_or(Self::LEAST, wgpu::Buffer::size)
+    }
+
     fn buffer(&mut self, device: &wgpu::Device, bytes: u64) -> &wgpu::Buffer {
         if self.buffer.as_ref().is_some_and(|buffer| buffer.size() < bytes) {
             self.buffer = None;
@@ -22,7 +29,7 @@ impl Readback {
         self.buffer.get_or_insert_with(|| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("readback"),
-                size: bytes.next_multiple_of(256),
+                size: bytes.next_multiple_of(Self::LEAST),
                 usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })

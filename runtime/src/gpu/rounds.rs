@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::engine::{Ended, Engine, Job, LEAST_BLOCKS};
+use super::engine::{Ended, Engine, Job};
 use super::layout::{
     DONE, FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NEEDS_MEMORY, NO_TASK, Params, RESUME, RUNNING, STUCK,
     State,
@@ -32,12 +32,15 @@ fn block_words(tokens: &[(u32, bool)], block: usize, stride: usize, out: &mut Ve
 }
 
 impl Engine {
-    /// Most blocks that the arena may grow to.
-    pub(super) fn most_blocks(&self) -> u32 {
+    /// Blocks that the arena can have next.
+    pub(super) fn next_blocks(&self) -> u32 {
         let limits = &self.gpu.info().limits;
-        let bytes =
-            self.config.max_memory.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
-        (bytes / (u64::from(self.shape.stride()) * 4)).clamp(LEAST_BLOCKS, 1 << 28) as u32
+        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let most = (bytes / (u64::from(self.shape.stride()) * 4)).min(1 << 28) as u32;
+        let capacity = self.buffers.capacity;
+        let memory = self.memory();
+        let others = memory.total() - memory.stream;
+        capacity.growth(self.config.max_memory, others, &self.shape).min(most).max(capacity.blocks)
     }
 
     /// Writes the stream to the arena, and everything else afresh.
@@ -45,10 +48,9 @@ impl Engine {
         let block = self.shape.block as usize;
         let blocks = stream.len().div_ceil(block) as u32;
         while blocks * 2 + 4 > self.buffers.capacity.blocks {
-            if self.buffers.capacity.blocks >= self.most_blocks() {
+            if !self.grow_arena() {
                 return Err(self.out_of_memory(NO_TASK));
             }
-            self.grow_arena(blocks * 2 + 4);
         }
         let mut words = Vec::with_capacity(blocks as usize * self.shape.stride() as usize);
         let mut order = Vec::with_capacity(blocks as usize * 2);
@@ -262,24 +264,28 @@ impl Engine {
     pub(super) fn out_of_memory(&self, task: u32) -> RunError {
         RunError::OutOfMemory {
             function: self.code.name(task).to_owned(),
-            bytes: self.buffers.capacity.arena_bytes(&self.shape),
+            bytes: self.memory().total(),
             limit: self.config.max_memory,
         }
     }
 
-    fn grow_arena(&mut self, least: u32) {
-        let blocks = (self.buffers.capacity.blocks * 4).max(least).min(self.most_blocks());
-        self.buffers.grow(&self.gpu.device, &self.gpu.queue, &self.shape, blocks);
-        self.groups = self.pipelines.groups(&self.gpu.device, &self.buffers);
+    /// False if the arena may not grow.
+    fn grow_arena(&mut self) -> bool {
+        let blocks = self.next_blocks();
+        let grows = blocks > self.buffers.capacity.blocks;
+        if grows {
+            self.buffers.grow(&self.gpu.device, &self.gpu.queue, &self.shape, blocks);
+            self.groups = self.pipelines.groups(&self.gpu.device, &self.buffers);
+        }
+        grows
     }
 
     /// Grows the arena under a stream; false if it may not grow.
     pub(super) fn grow(&mut self, state: &mut State) -> bool {
         let old = self.buffers.capacity.blocks;
-        if old >= self.most_blocks() {
+        if !self.grow_arena() {
             return false;
         }
-        self.grow_arena(0);
         let added: Vec<u32> = (old..self.buffers.capacity.blocks).rev().collect();
         let offset = self.buffers.free_offset(state.free.max(0) as u32);
         self.gpu.queue.write_buffer(&self.buffers.lists, offset, bytemuck::cast_slice(&added));

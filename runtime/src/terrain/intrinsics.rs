@@ -13,6 +13,18 @@ use crate::world::World;
 use ghyll_compiler::intrinsics::Intrinsic;
 
 impl World for Scene {
+    fn bytes(&self) -> u64 {
+        let samples = match &self.terrain().samples {
+            Samples::I16(data) => size_of_val(data.as_slice()),
+            Samples::F32(data) => size_of_val(data.as_slice()),
+        };
+        let bounds = match &self.pyramid().bounds {
+            Bounds::I16(data) => size_of_val(data.as_slice()),
+            Bounds::F32(data) => size_of_val(data.as_slice()),
+        };
+        (samples + bounds) as u64
+    }
+
     fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
         Scene::eval_f64(self, intrinsic, args, out);
     }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::config::Config;
 use crate::error::RunError;
+use crate::memory::Memory;
 
 pub struct Limits {
     start: Instant,
@@ -20,18 +21,23 @@ pub struct Limits {
 }
 
 impl Limits {
-    pub fn new(config: &Config) -> Limits {
-        Limits {
+    /// `fixed` is held as long as the run lasts.
+    pub fn new(config: &Config, fixed: Memory) -> Result<Limits, RunError> {
+        let limit = config.max_memory;
+        if fixed.total() > limit {
+            return Err(RunError::TooLittleMemory { needed: fixed, limit });
+        }
+        Ok(Limits {
             start: Instant::now(),
             timeout: config.timeout,
             max_rewrites: config.max_rewrites,
             max_memory: config.max_memory,
             rewrites: AtomicU64::new(0),
-            memory: AtomicU64::new(0),
-            peak: AtomicU64::new(0),
+            memory: AtomicU64::new(fixed.total()),
+            peak: AtomicU64::new(fixed.total()),
             stopped: AtomicBool::new(false),
             error: Mutex::new(None),
-        }
+        })
     }
 
     pub fn elapsed(&self) -> Duration {

@@ -40,6 +40,7 @@ use self::schedule::Schedule;
 use self::tokens::Tokens;
 use crate::config::{Config, Rewriter, Stats};
 use crate::error::RunError;
+use crate::memory::Memory;
 use crate::world::World;
 
 /// Pixels whose streams are rewritten together in block mode.
@@ -95,7 +96,7 @@ impl Twin {
         mut observe: Option<&mut Observe>,
     ) -> Result<(Vec<u32>, Stats), RunError> {
         let tokens = Tokens::from_stream(stream);
-        self.in_pool(config, world, |pool| {
+        self.in_pool(config, world, 0, |pool| {
             if config.rewriter == Rewriter::Lane {
                 if let Some(observe) = observe {
                     observe(&tokens.to_stream());
@@ -126,12 +127,8 @@ impl Twin {
         config: &Config,
         world: Option<&dyn World>,
     ) -> Result<(Vec<f32>, Stats), RunError> {
-        let words = u64::from(width) * u64::from(height) * u64::from(components);
-        if words * 4 > config.max_memory {
-            let function = self.code.function(entry.0).to_string();
-            return Err(RunError::OutOfMemory { function, bytes: words * 4, limit: config.max_memory });
-        }
-        self.in_pool(config, world, |pool| match config.rewriter {
+        let image = u64::from(width) * u64::from(height) * u64::from(components) * 4;
+        self.in_pool(config, world, image, |pool| match config.rewriter {
             Rewriter::Block => self.render_blocks(pool, (width, height), components, entry.0, config),
             Rewriter::Auto | Rewriter::Lane => {
                 Ok((lane::image(pool, (width, height), components, entry.0)?, Stats::default()))
@@ -176,14 +173,16 @@ impl Twin {
         Ok((image, rounds.stats))
     }
 
-    /// Runs `work` on the threads that were asked for, and completes its statistics.
+    /// Runs `work` on the threads that were asked for, beside an image of so many bytes, and completes its statistics.
     fn in_pool<T: Send>(
         &self,
         config: &Config,
         world: Option<&dyn World>,
+        image: u64,
         work: impl FnOnce(&Pool) -> Result<(T, Stats), RunError> + Send,
     ) -> Result<(T, Stats), RunError> {
-        let limits = Limits::new(config);
+        let fixed = Memory { image, terrain: world.map_or(0, World::bytes), ..Memory::default() };
+        let limits = Limits::new(config, fixed)?;
         let run = || {
             let pool = Pool::new(&self.code, &self.live, &limits, world);
             work(&pool)
@@ -198,7 +197,7 @@ impl Twin {
         }?;
         let counted = Stats {
             rewrites: limits.rewrites(),
-            peak_memory: limits.peak_memory(),
+            memory: Memory { stream: limits.peak_memory() - fixed.total(), ..fixed },
             total: limits.elapsed(),
             ..stats
         };

@@ -282,6 +282,30 @@ fn what_does_not_end_is_an_error_that_names_the_function() {
 }
 
 #[test]
+fn a_round_costs_what_its_redexes_do() {
+    let config = Config { rewriter: Rewriter::Block, depth: Some(1), ..Config::default() };
+    let (words, stats) = evaluate(TOTAL, &[5000], &config).unwrap();
+    assert_eq!(words, [5000 * 5001 / 2]);
+    assert!(stats.rounds >= 10_000 && stats.longest_stream > 10_000, "{stats:?}");
+    // A redex, its pair of blocks.
+    assert!(stats.tokens_moved <= stats.rounds * 1100, "{stats:?}");
+}
+
+#[test]
+fn an_image_counts_as_memory() {
+    let (_, table, entry) = load(PICTURE);
+    let render = |max_memory| {
+        let config = Config { max_memory, ..Config::default() };
+        Twin::new(&table).unwrap().render((40, 30), 2, entry, &config, None)
+    };
+    let image = 40 * 30 * 2 * 4;
+    let error = render(image - 1).unwrap_err();
+    assert!(matches!(error, RunError::TooLittleMemory { needed, .. } if needed.image == image), "{error}");
+    let stats = render(1 << 20).unwrap().1;
+    assert!(stats.memory.image == image && stats.memory.stream > 0, "{stats:?}");
+}
+
+#[test]
 fn little_memory_turns_breadth_into_depth() {
     let config = Config { rewriter: Rewriter::Block, depth: Some(1), ..Config::default() };
     let (words, free) = evaluate(FIB, &[16], &config).unwrap();
@@ -289,7 +313,7 @@ fn little_memory_turns_breadth_into_depth() {
     let (same, stats) = evaluate(FIB, &[16], &tight).unwrap();
     assert_eq!(words, same);
     assert!(stats.longest_stream * 2 < free.longest_stream, "{stats:?}");
-    assert!(stats.peak_memory <= 4096);
+    assert!(stats.memory.total() <= 4096);
 }
 
 /// Colours a pixel by its position, with a recursive task.

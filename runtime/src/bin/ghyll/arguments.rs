@@ -108,7 +108,7 @@ pub struct Machine {
     /// Give up after this many rewrites.
     #[arg(long, value_name = "N")]
     pub max_rewrites: Option<u64>,
-    /// Most memory for the stream, such as 512M or 2G.
+    /// Most memory for stream, image and terrain together, such as 512M or 2G.
     #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = size)]
     pub max_memory: u64,
     /// Give up after this many seconds.

@@ -3,6 +3,7 @@
 use crate::arguments;
 use ghyll_runtime::config::Stats;
 use ghyll_runtime::machine::Machine;
+use ghyll_runtime::memory::size;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::Write;
@@ -32,6 +33,8 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
     let seconds = |d: Duration| d.as_secs_f64();
     match arguments.stats.as_deref() {
         Some("json") => {
+            let memory: serde_json::Map<_, _> =
+                stats.memory.parts().into_iter().map(|(name, bytes)| (name.into(), bytes.into())).collect();
             let report = json!({
                 "machine": machine.describe(),
                 "seconds": seconds(stats.total),
@@ -42,7 +45,7 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
                 "dispatches": stats.dispatches,
                 "submissions": stats.submissions,
                 "suspended_lanes": stats.suspended,
-                "stream_bytes": stats.peak_memory,
+                "memory_bytes": memory,
             });
             eprintln!("{report}");
         }
@@ -55,7 +58,10 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
             eprintln!("tokens moved {}", stats.tokens_moved);
             eprintln!("submissions  {} with {} dispatches", stats.submissions, stats.dispatches);
             eprintln!("suspended    {} lanes", stats.suspended);
-            eprintln!("stream       {:.1} MiB", stats.peak_memory as f64 / f64::from(1 << 20));
+            eprintln!("memory       {}", size(stats.memory.total()));
+            for (name, bytes) in stats.memory.parts() {
+                eprintln!("  {name:10} {}", size(bytes));
+            }
         }
         None => {}
     }

@@ -55,6 +55,28 @@ fn images_in_a_tiny_arena() {
     }
 }
 
+/// All buffers count, and what an error says is needed is enough.
+#[test]
+fn an_image_counts_as_memory() {
+    let Some(gpu) = gpu() else { return };
+    let render = |max_memory| {
+        let config = Config { max_memory, ..Config::default() };
+        Engine::with_components(&gpu, picture(100), config, None, 3)?.render(64, 40, 0)
+    };
+    for limit in [1 << 10, 90 << 10] {
+        let Err(RunError::TooLittleMemory { needed, limit: told }) = render(limit) else {
+            panic!("{limit} bytes are too few")
+        };
+        assert!(told == limit && needed.total() > limit && needed.stream > 0 && needed.records > 0);
+        assert_eq!(needed.image, if limit == 1 << 10 { 0 } else { 64 * 40 * 3 * 4 });
+        if limit > 1 << 10 {
+            let frame = render(needed.total()).unwrap();
+            assert!(frame.stats.memory.total() <= needed.total(), "{:?}", frame.stats.memory);
+            check(&frame, 64, 40, 100);
+        }
+    }
+}
+
 fn shaded(functions: &str) -> Code {
     let mut code = picture(1);
     code.functions += functions;

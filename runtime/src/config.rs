@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::memory::Memory;
+use crate::progress::Progress;
 
 /// Strategy of the rewriter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +31,8 @@ pub struct Config {
     pub timeout: Duration,
     /// On the GPU: leaves out the checks that wgpu adds to shaders.
     pub trusted: bool,
+    /// Told how far a run has come.
+    pub progress: Progress,
 }
 
 impl Default for Config {
@@ -43,6 +46,7 @@ impl Default for Config {
             max_rewrites: None,
             timeout: Duration::from_secs(60),
             trusted: true,
+            progress: Progress::default(),
         }
     }
 }
@@ -53,6 +57,8 @@ pub struct Stats {
     pub rounds: u64,
     /// Function tokens rewritten; an iteration of a tail call loop counts as one.
     pub rewrites: u64,
+    /// The GPU computed the picture without a stream: one invocation a pixel. There are no rewrites to count.
+    pub direct: bool,
     /// Tokens written by the splice stage of all rounds.
     pub tokens_moved: u64,
     /// The longest stream between two rounds, in tokens.

@@ -10,6 +10,7 @@ pub mod image;
 pub mod machine;
 pub mod memory;
 pub mod oracle;
+pub mod progress;
 pub mod terrain;
 pub mod twin;
 pub mod value;

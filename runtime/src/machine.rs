@@ -181,7 +181,8 @@ impl Job<'_> {
         Ok((engine, kept))
     }
 
-    fn code(&self, prelude: String) -> gpu::Code {
+    /// What the engine runs, with the WGSL of the scene.
+    pub(crate) fn code(&self, prelude: String) -> gpu::Code {
         let back = &self.compiled.back;
         let entry = &self.checked.module.functions[self.compiled.entry.0 as usize].name;
         let suspendable = back.has_long_loops.then(|| {
@@ -303,6 +304,7 @@ pub fn gpu_stats(gpu: &gpu::Stats) -> Stats {
     Stats {
         rounds: gpu.rounds,
         rewrites: gpu.rewrites,
+        direct: gpu.direct,
         tokens_moved: gpu.moved,
         memory: gpu.memory,
         dispatches: gpu.dispatches,

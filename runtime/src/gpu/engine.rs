@@ -28,6 +28,8 @@ pub struct Scene {
 pub struct Stats {
     pub rounds: u64,
     pub rewrites: u64,
+    /// The picture needed no stream, so nothing was rewritten that could be counted.
+    pub direct: bool,
     /// Tokens written by splice.
     pub moved: u64,
     pub dispatches: u64,
@@ -140,16 +142,6 @@ impl Engine {
         components: u32,
     ) -> Result<Engine, RunError> {
         let shape = Shape::new(&code, &config, components, gpu.info().software)?;
-        Engine::with_shape(gpu, code, config, scene, shape)
-    }
-
-    pub(super) fn with_shape(
-        gpu: &Gpu,
-        code: Code,
-        config: Config,
-        scene: Option<Scene>,
-        shape: Shape,
-    ) -> Result<Engine, RunError> {
         let (layout, group, scene_bytes) = match scene {
             Some(scene) => (Some(scene.layout), Some(scene.group), scene.bytes),
             None => (None, None, 0),

@@ -71,6 +71,7 @@ impl Engine {
                 Err(RunError::LoopTooLong { .. }) if !self.code.fused => false,
                 other => other.map(|()| true)?,
             };
+            job.stats.direct = done;
         }
         if !done && self.config.rewriter == Rewriter::Block {
             self.stream_pixels(job, width, height, entry)?;
@@ -170,6 +171,7 @@ impl Engine {
                 continue;
             }
             first += rows * 8;
+            self.config.progress.part((width, height), first.into(), height.into());
             let scale = (SUBMISSION.as_secs_f64() / time.as_secs_f64().max(1e-6)).clamp(0.1, 8.0);
             if rows == self.direct_rows || scale < 1.0 {
                 self.direct_rows = ((f64::from(rows) * scale) as u32).clamp(1, 8192);
@@ -207,6 +209,7 @@ impl Engine {
             }
             if self.finish_pixels(job, pixel, &mut state)? == Ended::Normal {
                 pixel = state.pixel.min(last);
+                self.config.progress.part((width, height), pixel.into(), total.into());
             }
         }
         Ok(())
@@ -267,6 +270,7 @@ impl Engine {
             let mut state = self.load(&stream)?;
             if self.rewrite(job, &mut state)? == Ended::Normal {
                 first = last;
+                self.config.progress.part((width, height), first.into(), total.into());
             } else if self.lean {
                 part = 1;
             }

@@ -10,6 +10,7 @@ use super::layout::{
 use super::shader::Kernel;
 use super::shape::GRID;
 use crate::error::RunError;
+use crate::progress::Step;
 
 const STAGES: [Kernel; 4] = [Kernel::Decode, Kernel::Execute, Kernel::Allocate, Kernel::Splice];
 /// Rounds without a rewrite after which what is short will not come by itself.
@@ -180,6 +181,7 @@ impl Engine {
             job.stats.dispatches += u64::from(rounds) * STAGES.len() as u64;
             let full = std::mem::take(&mut state.full);
             job.absorb(state);
+            self.config.progress.tell(Step::Rewrites(job.stats.rewrites));
             if state.flags & FLAG_LOOPS != 0 {
                 self.lower_cap(state)?;
                 return Ok(Ended::Void);

@@ -1,6 +1,6 @@
 //! The rewriter on whatever adapter there is.
 
-mod bench;
+mod examples;
 mod layouts;
 mod pictures;
 mod programs;

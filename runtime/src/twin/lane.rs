@@ -1,11 +1,14 @@
 //! Lane mode: a window takes the program, or a pixel, and rewrites it to nothing but its value.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use rayon::prelude::*;
 
 use super::machine::{Machine, Stop};
 use super::pool::Pool;
 use super::tokens::Tokens;
 use crate::error::RunError;
+use crate::progress::Progress;
 
 /// Pixels along a tile's side.
 const TILE: u32 = 8;
@@ -27,6 +30,7 @@ pub fn image(
     (width, height): (u32, u32),
     components: u32,
     entry: u32,
+    progress: &Progress,
 ) -> Result<Vec<f32>, RunError> {
     let mut image = vec![0.0; width as usize * height as usize * components as usize];
     // Strips of tiles, lower where there would be too few for all threads.
@@ -36,10 +40,14 @@ pub fn image(
     if strip == 0 {
         return Ok(image);
     }
+    let done = AtomicU64::new(0);
     let draw = |(at, pixels): (usize, &mut [f32])| {
         let first = at as u32 * rows;
         let strip = Strip { first, rows: rows.min(height - first), width, components };
-        pool.with(|machine| strip.draw(machine, entry, pixels))
+        pool.with(|machine| strip.draw(machine, entry, pixels))?;
+        let drawn = u64::from(strip.rows);
+        progress.part((width, height), done.fetch_add(drawn, Relaxed) + drawn, height.into());
+        Ok(())
     };
     image.par_chunks_mut(strip).enumerate().try_for_each(draw)?;
     Ok(image)

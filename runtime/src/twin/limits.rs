@@ -7,12 +7,14 @@ use std::time::{Duration, Instant};
 use crate::config::Config;
 use crate::error::RunError;
 use crate::memory::Memory;
+use crate::progress::{Progress, Step};
 
 pub struct Limits {
     start: Instant,
     timeout: Duration,
     max_rewrites: Option<u64>,
     max_memory: u64,
+    progress: Progress,
     rewrites: AtomicU64,
     memory: AtomicU64,
     peak: AtomicU64,
@@ -32,6 +34,7 @@ impl Limits {
             timeout: config.timeout,
             max_rewrites: config.max_rewrites,
             max_memory: config.max_memory,
+            progress: config.progress.clone(),
             rewrites: AtomicU64::new(0),
             memory: AtomicU64::new(fixed.total()),
             peak: AtomicU64::new(fixed.total()),
@@ -72,6 +75,7 @@ impl Limits {
         if self.stopped.load(Relaxed) {
             return Err(self.first_error());
         }
+        self.progress.tell(Step::Rewrites(self.rewrites()));
         let elapsed = self.start.elapsed();
         if elapsed <= self.timeout {
             return Ok(());

@@ -131,7 +131,8 @@ impl Twin {
         self.in_pool(config, world, image, |pool| match config.rewriter {
             Rewriter::Block => self.render_blocks(pool, (width, height), components, entry.0, config),
             Rewriter::Auto | Rewriter::Lane => {
-                Ok((lane::image(pool, (width, height), components, entry.0)?, Stats::default()))
+                let picture = lane::image(pool, (width, height), components, entry.0, &config.progress)?;
+                Ok((picture, Stats::default()))
             }
         })
     }
@@ -169,6 +170,7 @@ impl Twin {
             if !rest.is_empty() {
                 return Err(RunError::Internal(format!("an image left {} words in its stream", rest.len())));
             }
+            config.progress.part((width, height), first + part, pixels);
         }
         Ok((image, rounds.stats))
     }

@@ -13,6 +13,7 @@ use ghyll_compiler::table::{Table, TaskId};
 use super::Twin;
 use crate::config::{Config, Rewriter, Stats};
 use crate::error::RunError;
+use crate::progress::{Step, check, recorded};
 use crate::world::World;
 
 const FIB: &str = "entry fib
@@ -303,6 +304,21 @@ fn an_image_counts_as_memory() {
     assert!(matches!(error, RunError::TooLittleMemory { needed, .. } if needed.image == image), "{error}");
     let stats = render(1 << 20).unwrap().1;
     assert!(stats.memory.image == image && stats.memory.stream > 0, "{stats:?}");
+}
+
+#[test]
+fn progress_is_told_by_tiles_and_rewrites() {
+    let (_, table, entry) = load(PICTURE);
+    for rewriter in [Rewriter::Auto, Rewriter::Block] {
+        let (progress, steps) = recorded();
+        let config = Config { rewriter, progress, max_memory: 1 << 20, ..Config::default() };
+        Twin::new(&table).unwrap().render((90, 95), 2, entry, &config, None).unwrap();
+        check(&steps.lock().unwrap(), 90 * 95, 3).unwrap();
+    }
+    let (progress, steps) = recorded();
+    evaluate(FIB, &[20], &Config { progress, ..Config::default() }).unwrap();
+    let told = steps.lock().unwrap();
+    assert!(told.iter().any(|step| matches!(step, Step::Rewrites(n) if *n > 0)), "{told:?}");
 }
 
 #[test]

@@ -4,7 +4,8 @@ use crate::arguments;
 use ghyll_runtime::config::Stats;
 use ghyll_runtime::machine::Machine;
 use ghyll_runtime::memory::size;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ghyll_runtime::progress::{Progress, Step};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::Write;
 use std::time::Duration;
@@ -39,8 +40,8 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
                 "machine": machine.describe(),
                 "seconds": seconds(stats.total),
                 "compiling_seconds": seconds(stats.compiling),
-                "rounds": stats.rounds,
-                "rewrites": stats.rewrites,
+                "rounds": (!stats.direct).then_some(stats.rounds),
+                "rewrites": (!stats.direct).then_some(stats.rewrites),
                 "tokens_moved": stats.tokens_moved,
                 "dispatches": stats.dispatches,
                 "submissions": stats.submissions,
@@ -53,8 +54,12 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
             eprintln!("machine      {}", machine.describe());
             eprintln!("time         {:.3} s", seconds(stats.total));
             eprintln!("  compiling  {:.3} s", seconds(stats.compiling));
-            eprintln!("rounds       {}", stats.rounds);
-            eprintln!("rewrites     {}", stats.rewrites);
+            let counted = |count: u64| match stats.direct {
+                true => "none: one invocation a pixel, no stream".into(),
+                false => count.to_string(),
+            };
+            eprintln!("rounds       {}", counted(stats.rounds));
+            eprintln!("rewrites     {}", counted(stats.rewrites));
             eprintln!("tokens moved {}", stats.tokens_moved);
             eprintln!("submissions  {} with {} dispatches", stats.submissions, stats.dispatches);
             eprintln!("suspended    {} lanes", stats.suspended);
@@ -67,28 +72,82 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
     }
 }
 
-/// A sign of life on a terminal for work that takes over a second.
-pub struct Progress(ProgressBar);
+/// A bar, or a sign of life where the end is not known, on a terminal and for work that takes over a second.
+pub struct Bar(ProgressBar);
 
-impl Progress {
-    pub fn start(what: &'static str) -> Progress {
+const PIXELS: &str = "{msg} {bar:32} {percent}% of {len} pixels, {eta} left";
+const REWRITES: &str = "{spinner} {msg} {elapsed}";
+
+impl Bar {
+    pub fn start(what: &'static str) -> Bar {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}")
-            .unwrap_or_else(|_| ProgressStyle::default_spinner());
-        bar.set_style(style);
+        bar.set_style(style(REWRITES));
         bar.set_message(what);
         let shown = bar.clone();
         std::thread::spawn(move || {
             std::thread::sleep(Duration::from_secs(1));
             if !shown.is_finished() {
+                // Nothing is drawn where this is no terminal.
                 shown.set_draw_target(ProgressDrawTarget::stderr());
                 shown.enable_steady_tick(Duration::from_millis(120));
             }
         });
-        Progress(bar)
+        Bar(bar)
+    }
+
+    /// Moves the bar.
+    pub fn listener(&self) -> Progress {
+        let bar = self.0.clone();
+        let what = bar.message();
+        Progress::new(move |step| show(&bar, &what, step))
     }
 
     pub fn finish(self) {
         self.0.finish_and_clear();
+    }
+}
+
+fn show(bar: &ProgressBar, what: &str, step: Step) {
+    match step {
+        Step::Pixels { done, total } => {
+            if bar.length().is_none() {
+                bar.set_style(style(PIXELS));
+                bar.set_length(total);
+            }
+            bar.set_position(done);
+        }
+        Step::Rewrites(rewrites) => {
+            bar.set_message(format!("{what}, {} rewrites", HumanCount(rewrites)));
+        }
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use indicatif::InMemoryTerm;
+
+    fn drawn(steps: &[Step]) -> String {
+        let terminal = InMemoryTerm::new(4, 100);
+        let bar =
+            ProgressBar::with_draw_target(None, ProgressDrawTarget::term_like(Box::new(terminal.clone())));
+        bar.set_style(style(REWRITES));
+        steps.iter().for_each(|step| show(&bar, "working", *step));
+        bar.force_draw();
+        terminal.contents()
+    }
+
+    #[test]
+    fn pixels_make_a_bar_and_rewrites_a_count() {
+        let half = drawn(&[Step::Pixels { done: 500, total: 1000 }]);
+        assert!(half.contains("50% of 1000 pixels") && half.contains("█"), "{half}");
+        let none = drawn(&[Step::Pixels { done: 0, total: 1000 }]);
+        assert!(none.contains("0% of 1000 pixels") && !none.contains("█"), "{none}");
+        let count = drawn(&[Step::Rewrites(1_234_567)]);
+        assert!(count.contains("working, 1,234,567 rewrites"), "{count}");
     }
 }

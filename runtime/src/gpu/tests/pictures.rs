@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::programs::{gpu, picture, picture_value};
+use crate::progress::{Step, recorded};
 
 fn check(frame: &Frame, width: u32, height: u32, deep: u32) {
     assert_eq!(frame.words.len(), (width * height * 3) as usize);
@@ -52,6 +53,23 @@ fn images_in_a_tiny_arena() {
         let config = Config { rewriter, max_memory: 128 << 10, ..Config::default() };
         let mut engine = Engine::with_components(&gpu, picture(100), config, None, 3).unwrap();
         check(&engine.render(64, 40, 0).unwrap(), 64, 40, 100);
+    }
+}
+
+#[test]
+fn progress_is_told_between_submissions() {
+    let Some(gpu) = gpu() else { return };
+    let shade = "fn shade(x: f32, y: f32) -> vec4<f32> { return vec4<f32>(x, y, 0.0, 1.0); }";
+    for (rewriter, code) in
+        [(Rewriter::Auto, shaded(shade)), (Rewriter::Lane, picture(3)), (Rewriter::Block, picture(3))]
+    {
+        let (progress, steps) = recorded();
+        let config = Config { rewriter, progress, max_memory: 1 << 20, ..Config::default() };
+        Engine::with_components(&gpu, code, config, None, 3).unwrap().render(90, 95, 0).unwrap();
+        let told = steps.lock().unwrap();
+        crate::progress::check(&told, 90 * 95, 2).unwrap_or_else(|e| panic!("{rewriter:?}: {e}"));
+        let rounds = told.iter().any(|step| matches!(step, Step::Rewrites(n) if *n > 0));
+        assert_eq!(rounds, rewriter == Rewriter::Block);
     }
 }
 

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::gpu::GpuOptions;
 use ghyll_runtime::machine::{Machine, Wanted};
+use ghyll_runtime::progress::Progress;
 
 fn wanted(arguments: &arguments::Machine) -> Wanted {
     match arguments.on {
@@ -38,6 +39,7 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
         max_rewrites: arguments.max_rewrites,
         timeout: arguments.timeout,
         trusted: !arguments.checked,
+        progress: Progress::default(),
     };
     Ok((machine, config))
 }

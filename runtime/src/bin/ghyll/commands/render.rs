@@ -42,11 +42,12 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let checked = checked(source, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Image))?;
     let scene = scene::of_render(arguments)?;
-    let (machine, config) = machine::open(&arguments.machine)?;
+    let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
 
     let [width, height] = arguments.size;
-    let progress = report::Progress::start("rendering");
+    let progress = report::Bar::start("rendering");
+    config.progress = progress.listener();
     let job = Job { checked: &checked, compiled: &compiled, scene: Some(&scene) };
     let outcome = job.render(&machine, (width, height), &config);
     progress.finish();

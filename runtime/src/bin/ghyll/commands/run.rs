@@ -21,9 +21,13 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         true => None,
         false => Some(scene::of_terrain(&arguments.terrain)?),
     };
-    let (machine, config) = machine::open(&arguments.machine)?;
+    let (machine, mut config) = machine::open(&arguments.machine)?;
+    let progress = crate::report::Bar::start("running");
+    config.progress = progress.listener();
     let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
-    let (value, stats) = job.run(&machine, &args, &config).map_err(Failure::run)?;
+    let outcome = job.run(&machine, &args, &config);
+    progress.finish();
+    let (value, stats) = outcome.map_err(Failure::run)?;
     if json {
         crate::report::line!(
             "{}",

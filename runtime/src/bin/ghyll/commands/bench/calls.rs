@@ -1,5 +1,6 @@
 //! `ghyll bench calls`: rewrites per second of recursive programs, by block (depth 1: the paper's algorithm), lane and
-//! auto on the GPU, and by the twin.
+//! auto on the GPU, and by the twin. The variants of a program run in turn, so that what else the machine does falls
+//! on all of them.
 
 use super::{Spread, program};
 use crate::arguments::Bench;
@@ -7,8 +8,8 @@ use crate::failure::Failure;
 use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::config::{Config, Rewriter};
-use ghyll_runtime::gpu::Gpu;
-use ghyll_runtime::machine::{Job, gpu_stats};
+use ghyll_runtime::gpu::{Engine, Gpu};
+use ghyll_runtime::machine::{Job, Machine};
 use ghyll_runtime::value::Value as GhyllValue;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -21,12 +22,26 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("queens", include_str!("../../../../../../benches/calls/queens.ghyll")),
 ];
 
-/// What a run's figures are called: backend, rewriter, configuration.
-const VARIANTS: &[(&str, &str, Rewriter)] = &[
-    ("gpu", "auto", Rewriter::Auto),
-    ("gpu", "lane", Rewriter::Lane),
-    ("gpu", "block", Rewriter::Block),
-    ("cpu", "auto", Rewriter::Auto),
+/// What is measured.
+struct Variant {
+    backend: &'static str,
+    name: &'static str,
+    rewriter: Rewriter,
+    depth: Option<u32>,
+    trusted: bool,
+}
+
+const fn variant(backend: &'static str, name: &'static str, rewriter: Rewriter) -> Variant {
+    Variant { backend, name, rewriter, depth: None, trusted: true }
+}
+
+const VARIANTS: &[Variant] = &[
+    variant("gpu", "auto", Rewriter::Auto),
+    Variant { trusted: false, ..variant("gpu", "auto, checked", Rewriter::Auto) },
+    variant("gpu", "lane", Rewriter::Lane),
+    Variant { depth: Some(1), ..variant("gpu", "block, depth 1", Rewriter::Block) },
+    Variant { depth: Some(8), ..variant("gpu", "block, depth 8", Rewriter::Block) },
+    variant("cpu", "auto", Rewriter::Auto),
 ];
 
 /// One definition: arguments, the value they must give, calls in the source's sense.
@@ -54,102 +69,102 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
         let (checked, compiled) = program(name, text, EntryKind::Value)?;
         let wide = Definition::read(entry).ok_or_else(fault)?;
         let narrow = Definition::read(&entry["narrow"]);
-        for (backend, rewriter, strategy) in VARIANTS {
-            let definition = match (strategy, &narrow) {
+        let mut subjects = Vec::new();
+        for variant in VARIANTS.iter().filter(|v| v.backend != "gpu" || gpu.is_some()) {
+            let definition = match (variant.rewriter, &narrow) {
                 (Rewriter::Block, Some(narrow)) => narrow,
                 _ => &wide,
             };
-            let bench = Variant { checked: &checked, compiled: &compiled, definition, strategy: *strategy };
-            let measured = match (*backend, gpu) {
-                ("gpu", Some(gpu)) => bench.on_gpu(gpu, arguments.repeat)?,
-                ("gpu", None) => continue,
-                _ => bench.on_cpu(arguments.repeat)?,
-            };
-            let seconds = measured.0.median;
-            rows.push(json!({
-                "name": name,
-                "args": definition.args.join(" "),
-                "backend": backend,
-                "rewriter": rewriter,
-                "calls": definition.calls,
-                "rewrites": measured.1,
-                "seconds_median": seconds,
-                "seconds_min": measured.0.least,
-                "seconds_max": measured.0.greatest,
-                "rewrites_per_s": (measured.1 as f64 / seconds).round(),
-                "calls_per_s": (definition.calls as f64 / seconds).round(),
-            }));
+            subjects.push(Subject::new(&checked, &compiled, gpu, variant, definition)?);
         }
+        // The first turn warms up.
+        for turn in 0..=arguments.repeat {
+            for subject in &mut subjects {
+                subject.run(turn > 0)?;
+            }
+        }
+        rows.extend(subjects.into_iter().map(|subject| subject.row(name)));
     }
     Ok(rows)
 }
 
-struct Variant<'a> {
-    checked: &'a Checked,
-    compiled: &'a Compiled,
+/// A program in one variant, with its kernels.
+struct Subject<'a> {
+    job: Job<'a>,
+    variant: &'a Variant,
     definition: &'a Definition,
-    strategy: Rewriter,
+    args: Vec<GhyllValue>,
+    config: Config,
+    engine: Option<(Engine, Vec<(u32, bool)>)>,
+    seconds: Vec<f64>,
+    rewrites: u64,
 }
 
-impl Variant<'_> {
-    fn job(&self) -> Job<'_> {
-        Job { checked: self.checked, compiled: self.compiled, scene: None }
+impl<'a> Subject<'a> {
+    fn new(
+        checked: &'a Checked,
+        compiled: &'a Compiled,
+        gpu: Option<&Gpu>,
+        variant: &'a Variant,
+        definition: &'a Definition,
+    ) -> Result<Self, Failure> {
+        let job = Job { checked, compiled, scene: None };
+        let Variant { rewriter, depth, trusted, .. } = *variant;
+        let config = Config { rewriter, depth, trusted, ..Config::default() };
+        let args = crate::commands::run::arguments(checked, compiled, &definition.args, false)?;
+        let engine = match gpu.filter(|_| variant.backend == "gpu") {
+            None => None,
+            Some(gpu) => {
+                let engine = job.engine(gpu, &config, 0).map_err(Failure::run)?;
+                Some((engine, job.stream(&args).map_err(Failure::run)?))
+            }
+        };
+        Ok(Subject { job, variant, definition, args, config, engine, seconds: Vec::new(), rewrites: 0 })
     }
 
-    fn args(&self) -> Result<Vec<GhyllValue>, Failure> {
-        crate::commands::run::arguments(self.checked, self.compiled, &self.definition.args, false)
-    }
-
-    /// The paper's algorithm where blocks are measured, else what the rewriter chooses.
-    fn config(&self) -> Config {
-        let depth = (self.strategy == Rewriter::Block).then_some(1);
-        Config { rewriter: self.strategy, depth, ..Config::default() }
-    }
-
-    fn check(&self, value: &GhyllValue) -> Result<(), Failure> {
+    fn run(&mut self, measured: bool) -> Result<(), Failure> {
+        let started = Instant::now();
+        let (value, rewrites) = match &mut self.engine {
+            Some((engine, stream)) => {
+                let outcome = engine.run(stream).map_err(Failure::run)?;
+                let compiled = self.job.compiled;
+                let value = GhyllValue::unflatten(&outcome.words, &compiled.result, &self.job.checked.module);
+                (value.map_err(Failure::run)?, outcome.stats.rewrites)
+            }
+            None => {
+                let (value, stats) =
+                    self.job.run(&Machine::Cpu, &self.args, &self.config).map_err(Failure::run)?;
+                (value, stats.rewrites)
+            }
+        };
+        let seconds = started.elapsed().as_secs_f64();
         let (got, wanted) = (value.to_string(), &self.definition.value);
-        if got == *wanted {
-            return Ok(());
+        if got != *wanted {
+            return Err(Failure::Run(format!(
+                "a benchmark gave {got} instead of {wanted}: its times mean nothing"
+            )));
         }
-        Err(Failure::Run(format!("a benchmark gave {got} instead of {wanted}: its times mean nothing")))
+        if measured {
+            self.seconds.push(seconds);
+            self.rewrites = rewrites;
+        }
+        Ok(())
     }
 
-    /// One warm-up, then `repeat` runs with the kernels kept.
-    fn on_gpu(&self, gpu: &Gpu, repeat: u32) -> Result<(Spread, u64), Failure> {
-        let job = self.job();
-        let stream = job.stream(&self.args()?).map_err(Failure::run)?;
-        let mut engine = job.engine(gpu, &self.config(), 0).map_err(Failure::run)?;
-        let mut times = Vec::new();
-        let mut rewrites = 0;
-        for round in 0..=repeat {
-            let started = Instant::now();
-            let outcome = engine.run(&stream).map_err(Failure::run)?;
-            let seconds = started.elapsed().as_secs_f64();
-            let module = &self.checked.module;
-            let value = GhyllValue::unflatten(&outcome.words, &self.compiled.result, module);
-            self.check(&value.map_err(Failure::run)?)?;
-            if round > 0 {
-                times.push(seconds);
-                rewrites = gpu_stats(&outcome.stats).rewrites;
-            }
-        }
-        Ok((Spread::of(times), rewrites))
-    }
-
-    fn on_cpu(&self, repeat: u32) -> Result<(Spread, u64), Failure> {
-        let job = self.job();
-        let args = self.args()?;
-        let machine = ghyll_runtime::machine::Machine::Cpu;
-        let mut times = Vec::new();
-        let mut rewrites = 0;
-        for round in 0..=repeat {
-            let (value, stats) = job.run(&machine, &args, &self.config()).map_err(Failure::run)?;
-            self.check(&value)?;
-            if round > 0 {
-                times.push(stats.total.as_secs_f64());
-                rewrites = stats.rewrites;
-            }
-        }
-        Ok((Spread::of(times), rewrites))
+    fn row(self, name: &str) -> Value {
+        let spread = Spread::of(self.seconds);
+        json!({
+            "name": name,
+            "args": self.definition.args.join(" "),
+            "backend": self.variant.backend,
+            "rewriter": self.variant.name,
+            "calls": self.definition.calls,
+            "rewrites": self.rewrites,
+            "seconds_median": spread.median,
+            "seconds_min": spread.least,
+            "seconds_max": spread.greatest,
+            "rewrites_per_s": (self.rewrites as f64 / spread.median).round(),
+            "calls_per_s": (self.definition.calls as f64 / spread.median).round(),
+        })
     }
 }

@@ -343,6 +343,54 @@ fn continuations_recompute_what_saves_words() {
     assert_eq!(wide, Some(3), "{}", table::print::table(&table));
 }
 
+/// `main` calls `far`, which holds a loop of `n` turns, and `near`, which holds one of `turns`.
+fn loops_in_helpers(turns: u32) -> String {
+    let digest = |name: &str, limit: &str| {
+        format!(
+            "fn {name}(n: i32) -> (i32) {{
+               i: i32, a: i32 = loop fold (i0: i32 = 0, a0: i32 = n) while {{ c: bool = lt.i32(i0, {limit}) yield c }} do {{
+                 j: i32 = add.i32(i0, 1)
+                 b: i32 = mul.i32(a0, 5)
+                 d: i32 = add.i32(b, i0)
+                 yield j, d
+               }}
+               yield a
+             }}\n"
+        )
+    };
+    format!(
+        "entry main {} {} fn main(n: i32) -> (i32) {{
+           x: i32 = call far(n)
+           y: i32 = call near(x)
+           z: i32 = sub.i32(x, y)
+           yield z
+         }}",
+        digest("far", "n"),
+        digest("near", &turns.to_string())
+    )
+}
+
+#[test]
+fn long_loops_become_tasks_and_so_does_what_holds_them() {
+    let names = |turns| {
+        let mut program = program(&loops_in_helpers(turns));
+        assert!(super::lift::has_long_loops(&program, 100));
+        super::lift::long_loops(&mut program, 100);
+        let (table, entry) = split(&program);
+        let args = [Const::I32(300)];
+        let direct = run(&program, &args, &NoHost, 1_000_000);
+        assert_eq!(rewrite(&table, entry, &args, 1_000_000), direct);
+        let mut names: Vec<_> = table.tasks.iter().map(|t| t.name.clone()).collect();
+        names.sort();
+        (names, table.helpers.len())
+    };
+    let of = |names: &[&str], helpers| (names.iter().map(|n| n.to_string()).collect::<Vec<_>>(), helpers);
+    assert_eq!(names(100), of(&["far", "far.loop", "main", "main.1"], 1));
+    assert_eq!(names(101), of(&["far", "far.loop", "main", "main.1", "main.2", "near", "near.loop"], 0));
+    let short = program(&loops_in_helpers(100).replace("i0, n)", "i0, 20)"));
+    assert!(!super::lift::has_long_loops(&short, 100));
+}
+
 #[test]
 fn emissions_stay_short() {
     let (mut chain, mut wide) = (String::new(), String::new());

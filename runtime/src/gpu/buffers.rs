@@ -6,6 +6,8 @@ use crate::error::RunError;
 use crate::memory::Memory;
 
 const WORD: u64 = 4;
+/// The least buffer.
+const EMPTY: u64 = 16;
 
 /// Sizes in units of their stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +36,7 @@ impl Capacity {
             return Err(RunError::TooLittleMemory { needed, limit });
         }
         let free = limit - fixed.total();
-        let records = RECORD_BYTES.min(free / 4) / record_bytes(shape);
+        let records = RECORD_BYTES.min(free / 4).min(free - least.stream) / record_bytes(shape);
         let records = records.clamp(u64::from(LEAST_RECORDS), MOST_RECORDS) as u32;
         let capacity = Capacity { records, ..Capacity::LEAST };
         let stream = (free - capacity.memory(shape).records - 2 * PAIR_BYTES).min(ARENA_BYTES);
@@ -91,7 +93,7 @@ pub struct Buffers {
 fn storage(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: bytes.max(16).next_multiple_of(WORD),
+        size: bytes.max(EMPTY).next_multiple_of(WORD),
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     })
@@ -135,7 +137,8 @@ impl Buffers {
     }
 
     pub fn memory(&self, shape: &Shape) -> Memory {
-        Memory { image: self.image.size(), ..self.capacity.memory(shape) }
+        let image = if self.image.size() > EMPTY { self.image.size() } else { 0 };
+        Memory { image, ..self.capacity.memory(shape) }
     }
 
     /// Makes room for an image; true if the buffer is a new one.

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::buffers::Capacity;
 use super::engine::{Ended, Engine, Frame, Job, Stats};
 use super::layout::{FLAG_EXHAUSTED, FLAG_LOOPS, FLAG_MEMORY, NO_TASK, Params, State};
+use super::readback::Readback;
 use super::shader::Kernel;
 use crate::config::Rewriter;
 use crate::error::RunError;
@@ -107,7 +108,7 @@ impl Engine {
         }
         // The image has its place first; the stream has what is left.
         let image = bytes.max(self.buffers.image.size());
-        let readback = self.readback.bytes().max(bytes.min(PIECE));
+        let readback = self.readback.bytes().max(Readback::needed(bytes.min(PIECE)));
         let fixed = Memory { image, readback, terrain: self.scene_bytes, ..Memory::default() };
         let stream = self.buffers.capacity.memory(&self.shape);
         let crowded = stream.total() + fixed.total() > self.config.max_memory;

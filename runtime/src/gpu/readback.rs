@@ -18,6 +18,11 @@ impl Readback {
     /// What the state of a run takes.
     pub const LEAST: u64 = 256;
 
+    /// What reading so many bytes takes.
+    pub fn needed(bytes: u64) -> u64 {
+        bytes.next_multiple_of(Self::LEAST)
+    }
+
     pub fn bytes(&self) -> u64 {
         self.buffer.as_ref().map_or(Self::LEAST, wgpu::Buffer::size)
     }
@@ -29,7 +34,7 @@ impl Readback {
         self.buffer.get_or_insert_with(|| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("readback"),
-                size: bytes.next_multiple_of(Self::LEAST),
+                size: Self::needed(bytes),
                 usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })

@@ -380,13 +380,14 @@ fn long_loops_become_tasks_and_so_does_what_holds_them() {
         let args = [Const::I32(300)];
         let direct = run(&program, &args, &NoHost, 1_000_000);
         assert_eq!(rewrite(&table, entry, &args, 1_000_000), direct);
-        let mut names: Vec<_> = table.tasks.iter().map(|t| t.name.clone()).collect();
+        // Without continuations.
+        let own = |name: &&str| !name.ends_with(|c: char| c.is_ascii_digit());
+        let mut names: Vec<_> = table.tasks.iter().map(|t| t.name.as_str()).filter(own).collect();
         names.sort();
-        (names, table.helpers.len())
+        (names.join(" "), table.helpers.len())
     };
-    let of = |names: &[&str], helpers| (names.iter().map(|n| n.to_string()).collect::<Vec<_>>(), helpers);
-    assert_eq!(names(100), of(&["far", "far.loop", "main", "main.1"], 1));
-    assert_eq!(names(101), of(&["far", "far.loop", "main", "main.1", "main.2", "near", "near.loop"], 0));
+    assert_eq!(names(100), ("far far.loop main".into(), 1));
+    assert_eq!(names(101), ("far far.loop main near near.loop".into(), 0));
     let short = program(&loops_in_helpers(100).replace("i0, n)", "i0, 20)"));
     assert!(!super::lift::has_long_loops(&short, 100));
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use super::super::shader::{Kernel, source};
 use super::super::shape::Shape;
@@ -58,9 +59,10 @@ fn kernels(path: &Path) -> Vec<(String, String)> {
 
 /// Tint's opinion, none if it is not installed.
 fn tint(text: &str) -> Option<Result<(), String>> {
-    let file = std::env::temp_dir().join(format!("ghyll-{}.wgsl", std::process::id()));
+    static FILES: AtomicU32 = AtomicU32::new(0);
+    let name = format!("ghyll-{}-{}", std::process::id(), FILES.fetch_add(1, Relaxed));
+    let [file, sink] = ["wgsl", "out.wgsl"].map(|end| std::env::temp_dir().join(format!("{name}.{end}")));
     std::fs::write(&file, text).unwrap();
-    let sink = std::env::temp_dir().join(format!("ghyll-{}-out.wgsl", std::process::id()));
     let output = Command::new("tint").args(["--format", "wgsl", "-o"]).args([&sink, &file]).output().ok()?;
     let _ = (std::fs::remove_file(&file), std::fs::remove_file(&sink));
     let told = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -226,6 +226,16 @@ impl<'m> Lower<'m> {
 
     /// Appends an operation; its results are new variables.
     fn emit(&mut self, op: Op, results: &[Scalar]) -> Vec<Atom> {
+        self.spend();
+        let dst: Vec<Var> = results.iter().map(|s| self.builder.fresh(*s)).collect();
+        let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
+        self.builder.open.last_mut().expect("an open block").push(Stmt { dst, op });
+        atoms
+    }
+
+    /// Counts an operation, or a body that is put in the place of a call: values that hold functions can grow beyond all
+    /// bounds without any operation.
+    fn spend(&mut self) {
         self.statements += 1;
         if self.statements == STATEMENT_LIMIT {
             let span = self.module.functions.first().map(|f| f.span);
@@ -241,10 +251,6 @@ impl<'m> Lower<'m> {
                 );
             }
         }
-        let dst: Vec<Var> = results.iter().map(|s| self.builder.fresh(*s)).collect();
-        let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
-        self.builder.open.last_mut().expect("an open block").push(Stmt { dst, op });
-        atoms
     }
 
     /// A scalar operation, computed now if all operands are constants.

@@ -22,11 +22,10 @@ pub fn parse_arguments(module: &Module, text: &str, expected: &Type) -> Result<A
     let mut sources = Sources::default();
     let id = sources.add(Source::new("<argument>", text));
     // Both trees are bounded; the stack is for the deepest.
-    let (module, text, expected) = (module.clone(), text.to_owned(), expected.clone());
-    let checked = on_large_stack(move || {
+    let checked = on_large_stack(|| {
         // A number of its own tells the places in the argument from those in the module.
         let apart = SourceId(u32::MAX);
-        check(&module, &text, &expected, id).map_err(|_| check(&module, &text, &expected, apart).err())
+        check(module, text, expected, id).map_err(|_| check(module, text, expected, apart).err())
     });
     checked.map_err(|diagnostics| {
         let diagnostics = diagnostics.unwrap_or_default().into_iter().map(|d| within(d, id)).collect();

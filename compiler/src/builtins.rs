@@ -28,7 +28,7 @@ pub enum Shape {
     Matrix,
     /// A square matrix to `f32`.
     Determinant,
-    /// Any of bool, i32, u32, f32 to the named scalar; a literal argument is read as that scalar.
+    /// Any of bool, i32, u32, f32 to the named scalar; an argument that is a literal alone is read as that scalar.
     Convert,
     /// i32, u32 or f32, same bits.
     Bitcast,

@@ -4,12 +4,30 @@
 //! E01 lexical and syntax, E02 names and modules, E03 types, E04 patterns, E05 items and recursion,
 //! W06 warnings, E09 not supported yet.
 
+use std::fmt;
+
+/// Stable identifier of a kind of diagnostic, such as `E0301`. Only this table makes one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Code(&'static str);
+
+impl Code {
+    pub const fn as_str(self) -> &'static str {
+        self.0
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(self.0)
+    }
+}
+
 macro_rules! codes {
     ($($name:ident $code:literal $title:literal;)*) => {
-        $(pub const $name: &str = $code;)*
+        $(pub const $name: Code = Code($code);)*
 
         /// Every code with what it is about.
-        pub const ALL: &[(&str, &str)] = &[$(($code, $title)),*];
+        pub const ALL: &[(Code, &str)] = &[$((Code($code), $title)),*];
     };
 }
 
@@ -56,6 +74,8 @@ codes! {
     NAMED_ARGUMENT "E0208" "named arguments where positions are needed";
     NEEDS_MODULE "E0209" "a name whose module is not in use";
     METHOD "E0210" "a call of a method";
+    UNREADABLE_MODULE "E0211" "a module whose file cannot be read";
+    MODULE_CYCLE "E0212" "modules that use each other in a circle";
 
     MISMATCH "E0301" "a value of another type than its place needs";
     LITERAL_RANGE "E0302" "a literal that does not fit its type";
@@ -88,8 +108,8 @@ codes! {
     PARAM_RANGE "E0506" "a range on a parameter that has no order, or that leaves its default out";
     BAKED_SHAPE "E0507" "a baked function of the wrong shape";
     RASTER_TYPE "E0508" "a raster of a type it cannot hold";
-    INLINE_RECURSION "E0510" "a recursive function that must be inlined";
     EMPTY_ITEM "E0509" "a struct or enum without anything in it";
+    INLINE_RECURSION "E0510" "a recursive function that must be inlined";
     GROWING_FUNCTION "E0511" "a function value that captures itself over and over";
     NEVER_YIELDS "E0512" "a function that never yields its function value";
     TOO_MUCH_CODE "E0513" "a program that specialisation makes too large";
@@ -99,7 +119,11 @@ codes! {
     MANY_WARNINGS "W0602" "more warnings than are shown";
     UNUSED_NAME "W0603" "a name that nothing uses";
 
-    FILE_MODULE "E0907" "modules in files are not supported yet";
+    TRACED_SURFACE "E0902" "tracing this surface is not supported yet";
+    DERIVATIVE "E0903" "derivatives are not supported yet";
+    BAKE "W0904" "baking is not supported yet";
+    RASTER "E0905" "rasters are not supported yet";
+    LIVE_FUNCTION "E0906" "live function parameters are not supported yet";
 }
 
 #[cfg(test)]

@@ -2,12 +2,15 @@
 
 use crate::argument::parse_arguments;
 use crate::back::{self, Back};
+use crate::codes;
 use crate::diagnostic::{Diagnostic, Report};
-use crate::front::{self, Checked};
+use crate::entry::{self, is_image};
+use crate::front::{self, Checked, on_large_stack};
+use crate::infer::show::show_type;
 use crate::layout;
 use crate::lower::{self, Setting, Settings};
-use crate::source::Source;
-use crate::typed::{FunctionId, Literal, Module, ParamId, Type};
+use crate::source::{Files, NoFiles, Source};
+use crate::typed::{FunctionId, Literal, Module, Param, ParamId, Type};
 
 /// What the host decides.
 #[derive(Clone, Debug, Default)]
@@ -59,15 +62,20 @@ impl Compiled {
     }
 }
 
-/// Text to checked program.
+/// Text to checked program, where the program is that one text.
 pub fn check(source: Source) -> Result<Checked, Report> {
-    front::front(source)
+    front::front(source, &NoFiles)
+}
+
+/// Text to checked program, with the modules that it uses.
+pub fn check_with(source: Source, files: &dyn Files) -> Result<Checked, Report> {
+    front::front(source, files)
 }
 
 /// Checked program to table and code.
 pub fn compile(checked: &Checked, options: &Options) -> Result<Compiled, CompileError> {
     let module = &checked.module;
-    let (entry, kind) = find_entry(module, options)?;
+    let (entry, kind) = find_entry(checked, options)?;
     let settings = settings(module, options)?;
     let report =
         |diagnostics| CompileError::Program(Report { sources: checked.sources.clone(), diagnostics });
@@ -85,21 +93,9 @@ pub fn compile(checked: &Checked, options: &Options) -> Result<Compiled, Compile
     })
 }
 
-/// Trees are bounded but may be deep; this is ample for the deepest.
-const STACK: usize = 256 << 20;
-
-/// Runs on a thread with much stack; on this one where there are no threads.
-fn on_large_stack<T: Send>(work: impl Fn() -> T + Sync) -> T {
-    std::thread::scope(|scope| {
-        match std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, &work) {
-            Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-            Err(_) => work(),
-        }
-    })
-}
-
 /// The entry and what it is.
-fn find_entry(module: &Module, options: &Options) -> Result<(FunctionId, EntryKind), CompileError> {
+fn find_entry(checked: &Checked, options: &Options) -> Result<(FunctionId, EntryKind), CompileError> {
+    let module = &checked.module;
     let fallback = match options.want {
         Some(EntryKind::Value) => &["main"][..],
         Some(EntryKind::Image) => &["pixel"][..],
@@ -109,19 +105,21 @@ fn find_entry(module: &Module, options: &Options) -> Result<(FunctionId, EntryKi
         Some(name) => vec![name.as_str()],
         None => fallback.to_vec(),
     };
+    let mut misfits = Vec::new();
     for name in &names {
         let Some(id) = module.function(name) else { continue };
-        let kind = match options.want {
-            Some(EntryKind::Image) if !is_image(module, id) => {
-                return Err(CompileError::Request(format!(
-                    "`{name}` is not an image entry: `fn {name}(p: vec2) -> f32`, `vec2`, `vec3` or `vec4` is needed"
-                )));
-            }
-            Some(kind) => kind,
-            None if *name != "main" && is_image(module, id) => EntryKind::Image,
-            None => EntryKind::Value,
-        };
-        return Ok((id, kind));
+        let kind = options.want.unwrap_or(match *name != "main" && is_image(module, id) {
+            true => EntryKind::Image,
+            false => EntryKind::Value,
+        });
+        match entry::misfit(module, id, kind) {
+            None => return Ok((id, kind)),
+            Some(misfit) => misfits.push(misfit),
+        }
+    }
+    if !misfits.is_empty() {
+        let sources = checked.sources.clone();
+        return Err(CompileError::Program(Report { sources, diagnostics: misfits }));
     }
     Err(CompileError::Request(match (&options.entry, options.want) {
         (Some(name), _) => {
@@ -150,12 +148,6 @@ fn find_entry(module: &Module, options: &Options) -> Result<(FunctionId, EntryKi
     }))
 }
 
-fn is_image(module: &Module, id: FunctionId) -> bool {
-    let function = &module.functions[id.0 as usize];
-    let params: Vec<&Type> = function.param_types().collect();
-    params == [&Type::Vec(2)] && matches!(function.result, Type::F32 | Type::Vec(_))
-}
-
 /// Parameters set from outside, checked.
 fn settings(module: &Module, options: &Options) -> Result<Settings, CompileError> {
     let find = |name: &str| -> Result<ParamId, CompileError> {
@@ -174,7 +166,8 @@ fn settings(module: &Module, options: &Options) -> Result<Settings, CompileError
         let param = &module.params[id.0 as usize];
         let argument = parse_arguments(module, text, &param.ty).map_err(|report| {
             let sources = report.sources.named(&format!("--set {name}"));
-            CompileError::Program(Report { sources, ..report })
+            let diagnostics = report.diagnostics.into_iter().map(|d| unset(module, param, text, d)).collect();
+            CompileError::Program(Report { sources, diagnostics })
         })?;
         in_range(module, id, name, &argument.expr)?;
         settings.set.insert(id, Setting { value: argument.expr, locals: argument.locals });
@@ -187,6 +180,20 @@ fn settings(module: &Module, options: &Options) -> Result<Settings, CompileError
     }
     Ok(settings)
 }
+
+/// What is wrong with a parameter's value, told so that it needs no source text beside it.
+fn unset(module: &Module, param: &Param, text: &str, diagnostic: Diagnostic) -> Diagnostic {
+    let ty = show_type(module, &[], &param.ty);
+    let shown: String = match text.char_indices().nth(LONGEST_SHOWN) {
+        Some((end, _)) => format!("{}..", &text[..end]),
+        None => text.to_owned(),
+    };
+    let title = format!("the parameter `{}: {ty}` cannot be `{shown}`: {}", param.name, diagnostic.title);
+    Diagnostic { title, ..diagnostic }
+}
+
+/// Characters of a parameter's value that a title repeats.
+const LONGEST_SHOWN: usize = 60;
 
 /// A literal outside the range that a parameter states is refused.
 fn in_range(
@@ -219,34 +226,23 @@ fn baked(module: &Module) -> Vec<Diagnostic> {
     let marked = module.functions.iter().filter(|f| f.attributes.bake && !f.library);
     marked
         .map(|f| {
-            Diagnostic::warning("W0904", f.span, "`@bake` is not supported yet")
+            Diagnostic::warning(codes::BAKE, f.span, "`@bake` is not supported yet")
                 .label("evaluated where it is used instead of once for each texel")
         })
         .collect()
 }
 
-/// What only specialisation finds, for every entry a host may ask for: `main`, `pixel` and `map`, else every
-/// function that could be one.
+/// What only specialisation finds, for every entry a host may ask for: see [`entry::asked_for`].
 pub fn reach(checked: &Checked) -> Vec<Diagnostic> {
     let module = &checked.module;
-    let mut entries: Vec<FunctionId> =
-        ["main", "pixel", "map"].iter().filter_map(|name| module.function(name)).collect();
-    if entries.is_empty() {
-        let eligible = |f: &crate::typed::Function| {
-            let first_order = |t: &Type| layout::scalars(module, t).is_some();
-            !f.library && f.generics.is_empty() && f.param_types().all(first_order) && first_order(&f.result)
-        };
-        let ids = (0..module.functions.len() as u32).map(FunctionId);
-        entries = ids.filter(|id| eligible(&module.functions[id.0 as usize])).collect();
-    }
     let mut found: Vec<Diagnostic> = baked(module);
+    let (entries, misfits) = entry::asked_for(module);
+    found.extend(misfits);
     for entry in entries {
         let lowered = on_large_stack(|| lower::lower(module, entry, &Settings::default()).err());
-        if let Some(diagnostics) = lowered {
-            for diagnostic in diagnostics {
-                if !found.contains(&diagnostic) {
-                    found.push(diagnostic);
-                }
+        for diagnostic in lowered.into_iter().flatten() {
+            if !found.contains(&diagnostic) {
+                found.push(diagnostic);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Diagnostics are data until the last line: a code, a title, labelled places, a help line.
 
+use crate::codes::Code;
 use crate::source::{Sources, Span};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -12,8 +13,7 @@ pub enum Severity {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     pub severity: Severity,
-    /// Stable identifier such as `E0301`.
-    pub code: &'static str,
+    pub code: Code,
     pub title: String,
     /// The offending place and what is wrong there.
     pub primary: (Span, String),
@@ -24,7 +24,7 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    pub fn error(code: &'static str, span: Span, title: impl Into<String>) -> Diagnostic {
+    pub fn error(code: Code, span: Span, title: impl Into<String>) -> Diagnostic {
         Diagnostic {
             severity: Severity::Error,
             code,
@@ -35,7 +35,7 @@ impl Diagnostic {
         }
     }
 
-    pub fn warning(code: &'static str, span: Span, title: impl Into<String>) -> Diagnostic {
+    pub fn warning(code: Code, span: Span, title: impl Into<String>) -> Diagnostic {
         Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, span, title) }
     }
 

@@ -3,8 +3,9 @@
 //! load and parse; declare items; check bodies; check what only whole programs show. Syntax errors end the
 //! work after parsing, everything else is collected.
 
+pub(crate) mod components;
 mod recursion;
-mod walk;
+pub(crate) mod walk;
 
 pub use crate::argument::{Argument, parse_arguments};
 
@@ -13,8 +14,9 @@ use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::infer::{Body, ConstState, Env};
 use crate::resolve::declare::{Declared, declare};
 use crate::resolve::load::{Loaded, load};
-use crate::source::{Source, Sources};
+use crate::source::{Files, Source, Sources};
 use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
+use std::sync::{Mutex, PoisonError};
 
 /// Trees are bounded but may be deep; this is ample for the deepest.
 const STACK: usize = 256 << 20;
@@ -30,10 +32,10 @@ pub struct Checked {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Checks a program.
-pub fn front(source: Source) -> Result<Checked, Report> {
-    on_large_stack(move || {
-        let Loaded { sources, files, diagnostics } = load(source);
+/// Checks a program; `files` has the modules that it names by path.
+pub fn front(source: Source, files: &dyn Files) -> Result<Checked, Report> {
+    on_large_stack(|| {
+        let Loaded { sources, files, diagnostics, .. } = load(source, files);
         let (module, diagnostics) = match diagnostics.is_empty() {
             true => check(declare(&files)),
             false => (Module::default(), diagnostics),
@@ -47,18 +49,14 @@ pub fn front(source: Source) -> Result<Checked, Report> {
 }
 
 /// Runs on a thread with much stack; on this one where there are no threads.
-pub(crate) fn on_large_stack<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    let work = std::sync::Arc::new(std::sync::Mutex::new(Some(work)));
-    let taken = work.clone();
-    let run = move || taken.lock().ok().and_then(|mut w| w.take()).map(|w| w());
-    let take = || work.lock().ok().and_then(|mut w| w.take());
-    match std::thread::Builder::new().stack_size(STACK).spawn(run) {
-        Ok(thread) => match thread.join() {
-            Ok(result) => result.expect("the work was there to be taken"),
-            Err(panic) => std::panic::resume_unwind(panic),
-        },
-        Err(_) => take().expect("a thread that did not start took nothing")(),
-    }
+pub(crate) fn on_large_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let work = Mutex::new(Some(work));
+    let take = || work.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let run = || take().expect("taken once")();
+    std::thread::scope(|scope| match std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run) {
+        Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+        Err(_) => run(),
+    })
 }
 
 fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {

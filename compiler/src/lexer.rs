@@ -9,7 +9,7 @@
 
 use logos::{Lexer, Logos};
 
-use crate::codes;
+use crate::codes::{self, Code};
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, Span};
 
@@ -254,7 +254,7 @@ impl<'s> Reader<'s> {
         }
     }
 
-    fn error(&mut self, code: &'static str, start: usize, end: usize, title: &str) -> &mut Diagnostic {
+    fn error(&mut self, code: Code, start: usize, end: usize, title: &str) -> &mut Diagnostic {
         let span = Span::new(self.source, start, end);
         self.lexed.diagnostics.push(Diagnostic::error(code, span, title));
         self.lexed.diagnostics.last_mut().expect("one was just pushed")
@@ -427,7 +427,7 @@ mod tests {
         lexed.lexemes.into_iter().map(|(_, lexeme, _)| lexeme).collect()
     }
 
-    fn codes_of(text: &str) -> Vec<&'static str> {
+    fn codes_of(text: &str) -> Vec<codes::Code> {
         lex(SourceId(0), text).diagnostics.iter().map(|d| d.code).collect()
     }
 

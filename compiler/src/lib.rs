@@ -11,6 +11,7 @@ pub mod codes;
 pub mod compile;
 pub mod core;
 pub mod diagnostic;
+pub mod entry;
 mod exhaustive;
 pub mod explain;
 mod foreign;

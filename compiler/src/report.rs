@@ -3,6 +3,7 @@
 use ariadne::{CharSet, Color, Config, IndexType, Label, ReportKind};
 use serde_json::{Value, json};
 
+use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::source::{Source, Sources, Span};
 
@@ -27,7 +28,7 @@ pub fn render(report: &Report, color: bool) -> String {
 }
 
 /// The code to read about first: that of the first error, else of the first warning.
-fn worst(report: &Report) -> Option<&'static str> {
+fn worst(report: &Report) -> Option<Code> {
     let error = report.diagnostics.iter().find(|d| d.severity == Severity::Error);
     error.or(report.diagnostics.first()).map(|d| d.code)
 }
@@ -101,7 +102,7 @@ fn object(sources: &Sources, diagnostic: &Diagnostic) -> Value {
         Severity::Error => "error",
         Severity::Warning => "warning",
     });
-    object["code"] = json!(diagnostic.code);
+    object["code"] = json!(diagnostic.code.as_str());
     object["title"] = json!(diagnostic.title);
     object["secondary"] = json!(secondary);
     object["help"] = json!(diagnostic.help);

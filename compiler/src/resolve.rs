@@ -1,9 +1,11 @@
 //! From trees to declarations: modules are loaded, items get ids, names of types get meanings. Names in
 //! expressions are looked up later, by inference, in the [`scope::Scopes`] made here.
 
+mod clash;
 pub mod cycles;
 pub mod declare;
 pub mod load;
+mod path;
 pub mod scope;
 pub mod size;
 pub mod types;

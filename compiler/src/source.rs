@@ -36,7 +36,25 @@ impl Source {
     }
 }
 
-/// All texts of one compilation: the user's file first, then library modules.
+/// Gives the compiler the texts of modules in files, which it asks for by name.
+pub trait Files: Sync {
+    /// The text of a file, or why there is none.
+    ///
+    /// # Errors
+    /// The reason in words, such as "no such file".
+    fn read(&self, name: &str) -> Result<String, String>;
+}
+
+/// For programs that are one text.
+pub struct NoFiles;
+
+impl Files for NoFiles {
+    fn read(&self, _name: &str) -> Result<String, String> {
+        Err("modules in files cannot be read here".into())
+    }
+}
+
+/// All texts of one compilation: the user's file first, then the modules that it uses.
 #[derive(Clone, Debug, Default)]
 pub struct Sources(Vec<Source>);
 

@@ -5,7 +5,7 @@
 //! `Type::Error` does not occur when the front end gave no errors.
 
 use crate::builtins::Builtin;
-use crate::source::Span;
+use crate::source::{SourceId, Span};
 pub use crate::types::{EnumId, StructId, Type};
 
 macro_rules! ids {
@@ -38,13 +38,25 @@ pub struct Module {
     pub params: Vec<Param>,
     pub rasters: Vec<Raster>,
     pub functions: Vec<Function>,
+    /// The texts that are library modules.
+    pub library: Vec<SourceId>,
 }
 
 impl Module {
-    /// The user's function of that name (library functions are not entries).
+    /// The function that a host means by a name: of the program's own file, else of one that it uses. The names of
+    /// entries mean only the program's own; library functions are not entries.
     pub fn function(&self, name: &str) -> Option<FunctionId> {
-        let at = self.functions.iter().position(|f| f.name == name && !f.library)?;
-        Some(FunctionId(at as u32))
+        let named = |own: bool| {
+            let fits = |f: &Function| f.name == name && !f.library && (f.span.source == SourceId(0)) == own;
+            self.functions.iter().position(fits)
+        };
+        let used = || if ["main", "pixel", "map"].contains(&name) { None } else { named(false) };
+        named(true).or_else(used).map(|at| FunctionId(at as u32))
+    }
+
+    /// Whether a place is in a library module.
+    pub fn is_library(&self, span: Span) -> bool {
+        self.library.contains(&span.source)
     }
 }
 

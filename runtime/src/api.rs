@@ -29,6 +29,7 @@
 
 use crate::config::Config;
 use crate::error::RunError;
+use crate::files::{self, Disk};
 use crate::gpu::{Engine, GpuError, GpuOptions};
 use crate::gpu_terrain::GpuTerrain;
 use crate::image::Image;
@@ -39,7 +40,8 @@ use ghyll_compiler::compile::{self, CompileError, Compiled, EntryKind};
 use ghyll_compiler::diagnostic::Report;
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::report;
-use ghyll_compiler::source::Source;
+use ghyll_compiler::source::{Files, Source};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What can go wrong between source text and picture.
@@ -78,12 +80,28 @@ impl Program {
     }
 }
 
-/// Checks a program.
+/// Checks a program. Modules that it uses by path are read from disk, relative to the folder in the source's name.
 ///
 /// # Errors
 /// [`Error::Program`] with every diagnostic.
 pub fn compile(source: Source) -> Result<Program, Error> {
-    compile::check(source).map(|checked| Program(Arc::new(checked))).map_err(Error::Program)
+    compile_with(source, &Disk)
+}
+
+/// Checks a program; `files` has the modules that it uses by path.
+///
+/// # Errors
+/// [`Error::Program`] with every diagnostic.
+pub fn compile_with(source: Source, files: &dyn Files) -> Result<Program, Error> {
+    compile::check_with(source, files).map(|checked| Program(Arc::new(checked))).map_err(Error::Program)
+}
+
+/// Reads and checks a program.
+///
+/// # Errors
+/// [`Error::Request`] if there is no such file, [`Error::Program`] with every diagnostic.
+pub fn open(path: impl AsRef<Path>) -> Result<Program, Error> {
+    compile(files::source(path.as_ref()).map_err(Error::Request)?)
 }
 
 /// Where programs run and within which limits.

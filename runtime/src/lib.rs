@@ -4,6 +4,7 @@
 pub mod api;
 pub mod config;
 pub mod error;
+pub mod files;
 pub mod gpu;
 pub mod gpu_terrain;
 pub mod image;

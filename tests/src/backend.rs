@@ -4,11 +4,11 @@ use crate::case::{self, Call, Program, Render, Settings};
 use crate::judge::{Answer, Backend, Failure, Picture};
 use crate::mode::Mode;
 use ghyll_compiler::argument::parse_arguments;
-use ghyll_compiler::compile::{CompileError, Compiled, EntryKind, Options, check, compile, reach};
+use ghyll_compiler::compile::{CompileError, Compiled, EntryKind, Options, check_with, compile, reach};
 use ghyll_compiler::diagnostic::{Diagnostic, Report, Severity};
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::interpret::NoHost;
-use ghyll_compiler::source::{Source, SourceId};
+use ghyll_compiler::source::{Files, Source, SourceId};
 use ghyll_compiler::stream;
 use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::error::RunError;
@@ -97,7 +97,7 @@ impl Ghyll {
 
 impl Backend for Ghyll {
     fn check(&self, program: &Program) -> Vec<case::Diagnostic> {
-        match check(source(program)) {
+        match checked(program) {
             Ok(checked) => {
                 let mut all = checked.warnings.clone();
                 all.extend(reach(&checked));
@@ -233,7 +233,7 @@ impl Wanted {
 impl Ready {
     fn compile(wanted: &Wanted) -> Result<Ready, Failure> {
         let Wanted { program, settings, entry, kind, size } = wanted;
-        let checked = check(source(program)).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
+        let checked = checked(program).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
         let options = Options {
             entry: Some(entry.clone()),
             want: *kind,
@@ -269,8 +269,18 @@ impl Ready {
     }
 }
 
-fn source(program: &Program) -> Source {
-    Source::new(&program.name, &program.text)
+fn checked(program: &Program) -> Result<Checked, Report> {
+    check_with(Source::new(&program.name, &program.text), &Modules(&program.files))
+}
+
+/// The modules of a case, which lie beside its program.
+struct Modules<'a>(&'a [(String, String)]);
+
+impl Files for Modules<'_> {
+    fn read(&self, name: &str) -> Result<String, String> {
+        let found = self.0.iter().find(|(known, _)| known == name);
+        found.map(|(_, text)| text.clone()).ok_or_else(|| "no such file".into())
+    }
 }
 
 /// The height field of the header, seen from above.
@@ -310,21 +320,22 @@ fn failure(error: RunError) -> Failure {
     Failure::Run(error.to_string())
 }
 
-/// Diagnostics at places of the program's own text.
+/// Diagnostics at places of the program's texts.
 fn diagnostics(report: &Report) -> Vec<case::Diagnostic> {
     report.diagnostics.iter().map(|d| placed(report, d)).collect()
 }
 
 fn placed(report: &Report, d: &Diagnostic) -> case::Diagnostic {
     let (span, label) = &d.primary;
-    let text = if span.source == SourceId(0) { &report.sources.get(span.source).text } else { "" };
-    let head = &text[..(span.start as usize).min(text.len())];
+    let source = report.sources.get(span.source);
+    let head = &source.text[..(span.start as usize).min(source.text.len())];
     case::Diagnostic {
         severity: match d.severity {
             Severity::Error => case::Severity::Error,
             Severity::Warning => case::Severity::Warning,
         },
-        code: d.code.into(),
+        file: if span.source == SourceId(0) { String::new() } else { source.name.clone() },
+        code: d.code.to_string(),
         line: head.matches('\n').count() as u32 + 1,
         column: head.rsplit('\n').next().unwrap_or_default().chars().count() as u32 + 1,
         part: if label.is_empty() { d.title.clone() } else { format!("{}: {label}", d.title) },

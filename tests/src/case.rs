@@ -69,10 +69,12 @@ pub enum Severity {
     Warning,
 }
 
-/// A diagnostic at a place of the program's own text.
+/// A diagnostic at a place of the program's own texts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     pub severity: Severity,
+    /// The module's file; empty for the program itself.
+    pub file: String,
     /// Any code if empty.
     pub code: String,
     pub line: u32,

@@ -193,7 +193,8 @@ fn shown(d: &Diagnostic) -> String {
         Severity::Error => "error",
         Severity::Warning => "warning",
     };
-    format!("{severity} {} at {}:{} \"{}\"", d.code, d.line, d.column, d.part)
+    let colon = if d.file.is_empty() { "" } else { ":" };
+    format!("{severity} {} at {}{colon}{}:{} \"{}\"", d.code, d.file, d.line, d.column, d.part)
 }
 
 /// Each expected diagnostic is found once, and nothing else is found.
@@ -215,7 +216,7 @@ fn compare_diagnostics(case: &Case, mut found: Vec<Diagnostic>, report: &mut Rep
 fn fits(expected: &Diagnostic, found: &Diagnostic) -> bool {
     let title = found.part.to_lowercase();
     expected.severity == found.severity
-        && (expected.line, expected.column) == (found.line, found.column)
+        && (&expected.file, expected.line, expected.column) == (&found.file, found.line, found.column)
         && (expected.code.is_empty() || expected.code == found.code)
         && title.contains(&expected.part.to_lowercase())
 }

@@ -2,13 +2,15 @@ mod accepted;
 mod arguments;
 mod fuzz;
 mod limits;
+mod modules;
 mod rejected;
 mod verify;
 
 use super::*;
+use crate::source::NoFiles;
 
 fn check(text: &str) -> Result<Checked, Report> {
-    front(Source::new("test.ghyll", text))
+    front(Source::new("test.ghyll", text), &NoFiles)
 }
 
 fn accepts(text: &str) -> Checked {
@@ -19,7 +21,7 @@ fn accepts(text: &str) -> Checked {
 }
 
 /// Codes of all diagnostics with the text each one points at.
-fn found(text: &str) -> Vec<(&'static str, String)> {
+fn found(text: &str) -> Vec<(codes::Code, String)> {
     let diagnostics = match check(text) {
         Ok(checked) => checked.warnings,
         Err(report) => report.diagnostics,

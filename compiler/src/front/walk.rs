@@ -8,7 +8,8 @@ pub fn walk<'a>(e: &'a Expr, visit: &mut dyn FnMut(&'a Expr)) {
     for_each_part(e, &mut |part| walk(part, visit));
 }
 
-fn for_each_part<'a>(e: &'a Expr, visit: &mut dyn FnMut(&'a Expr)) {
+/// Calls `visit` with each direct part.
+pub fn for_each_part<'a>(e: &'a Expr, visit: &mut dyn FnMut(&'a Expr)) {
     use ExprKind::*;
     match &e.kind {
         Literal(_) | Local(_) | Const(_) | Param(_) | Raster(_) | Function(..) | Builtin(_)

@@ -11,7 +11,7 @@ use crate::diagnostic::Diagnostic;
 use crate::resolve::scope::Value;
 use crate::resolve::types::count;
 use crate::source::Span;
-use crate::typed::{FunctionId, StructId};
+use crate::typed::{FunctionId, StructId, UnaryOp};
 
 /// What is known about each parameter of a callee.
 type Params = Vec<(Ty, Option<Span>)>;
@@ -329,7 +329,12 @@ impl Infer<'_, '_> {
             let callee = Node { kind: Kind::Builtin(builtin), ty, span: at };
             return self.settle(Kind::Call(Box::new(callee), nodes), result, span, want);
         }
-        let params: Params = arguments.iter().map(|a| (self.fresh(a.value.span), None)).collect();
+        let params: Params = match arguments {
+            [a] if builtin.shape() == Shape::Convert && is_integer(&a.value) => {
+                vec![(converted(builtin), None)]
+            }
+            _ => arguments.iter().map(|a| (self.fresh(a.value.span), None)).collect(),
+        };
         let nodes = self.arguments(name, &params, arguments, span, None);
         let result = self.fresh(span);
         let args: Vec<(Ty, Span)> = nodes.iter().map(|n| (n.ty, n.span)).collect();
@@ -452,6 +457,24 @@ impl Infer<'_, '_> {
             }
         }
         self.call(f, &[Argument { name: None::<Name>, value: x.clone() }], span, want)
+    }
+}
+
+/// A literal alone, perhaps negative.
+fn is_integer(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Int(_) => true,
+        ExprKind::Unary(UnaryOp::Neg, e) => matches!(e.kind, ExprKind::Int(_)),
+        _ => false,
+    }
+}
+
+/// The type that a literal has as the whole argument of a conversion. Anything longer has a type of its own:
+/// `f32(7)` is the literal 7.0, `f32(7 / 2)` is 3.0.
+fn converted(builtin: Builtin) -> Ty {
+    match super::overload::target(builtin) {
+        Ty::BOOL => Ty::I32,
+        number => number,
     }
 }
 

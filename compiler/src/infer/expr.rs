@@ -208,10 +208,13 @@ impl Infer<'_, '_> {
             // Each suggestion reads all names: far down the list nobody sees it.
             let few = self.out.len() < MAX_DIAGNOSTICS;
             let meant = if few { similar(name, known) } else { None };
-            match (foreign::value_help(name), meant) {
-                (Some(help), _) => diagnostic.help(help),
-                (None, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")),
-                (None, None) => diagnostic,
+            match (scopes.elsewhere(name), foreign::value_help(name), meant) {
+                (Some(place), ..) => diagnostic
+                    .also(place, "defined here")
+                    .help("`use` the file that defines it: what it uses itself is not passed on"),
+                (None, Some(help), _) => diagnostic.help(help),
+                (None, None, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")),
+                (None, None, None) => diagnostic,
             }
         };
         self.report(diagnostic);

@@ -250,11 +250,6 @@ impl Infer<'_, '_> {
         self.result(result, to, span);
         match self.class(arg.0) {
             Class::Unknown => false,
-            // A literal is read as what it is converted to.
-            Class::Literal if to != Ty::BOOL => {
-                self.argument(arg, to);
-                true
-            }
             Class::Literal | Class::Bool | Class::Scalar(_) => true,
             _ => self.refuse(builtin, &[arg], "bool, i32, u32 and f32", span),
         }
@@ -328,7 +323,7 @@ impl Infer<'_, '_> {
 }
 
 /// What a conversion or bit cast yields.
-fn target(builtin: Builtin) -> Ty {
+pub(super) fn target(builtin: Builtin) -> Ty {
     match builtin {
         Builtin::ToF32 | Builtin::BitcastF32 => Ty::F32,
         Builtin::ToI32 | Builtin::BitcastI32 => Ty::I32,

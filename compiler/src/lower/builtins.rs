@@ -4,6 +4,7 @@ use super::call::Application;
 use super::value::{Closure, Value};
 use super::{Lower, unsupported};
 use crate::builtins::{Builtin, Shape};
+use crate::codes;
 use crate::core::{Atom, Const, Intrinsic, Op, Prim, Scalar};
 use crate::source::Span;
 use crate::typed::{ExprKind, Type};
@@ -109,7 +110,7 @@ impl<'m> Lower<'m> {
 
     fn no_surface(&mut self, span: Span, result: &Type) -> Value<'m> {
         self.error(unsupported(
-            "E0902",
+            codes::TRACED_SURFACE,
             span,
             "tracing this surface is not supported yet",
             "use `bilinear` or `triangulated`, or a function that only passes its position on to one of them",

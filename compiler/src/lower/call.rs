@@ -4,6 +4,7 @@ use super::shape::Shape;
 use super::value::{Closure, Value};
 use super::words::dissect_any;
 use super::{Env, INLINE_DEPTH_LIMIT, Lower, unsupported};
+use crate::codes;
 use crate::core::Atom;
 use crate::layout;
 use crate::source::Span;
@@ -107,7 +108,7 @@ impl<'m> Lower<'m> {
             Closure::Raster(id) => {
                 let name = &self.module.rasters[id.0 as usize].name;
                 self.error(unsupported(
-                    "E0905",
+                    codes::RASTER,
                     at.span,
                     format!("rasters are not supported yet: `{name}`"),
                     "use a parameter or a function of the position instead",

@@ -2,6 +2,7 @@
 
 use super::value::{Capture, Closure, Lambda, Value};
 use super::{Env, Lower, unsupported};
+use crate::codes;
 use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout;
 use crate::source::Span;
@@ -71,7 +72,7 @@ impl<'m> Lower<'m> {
             ExprKind::Range(op, form) => self.range(expr, *op, form, env),
             ExprKind::Derivative(_) => {
                 self.error(unsupported(
-                    "E0903",
+                    codes::DERIVATIVE,
                     expr.span,
                     "derivatives are not supported yet",
                     "`normal(surface, p)` of module `terrain` gives the normal of a built-in surface",

@@ -17,12 +17,14 @@ mod specialise;
 mod value;
 mod words;
 
-use crate::codes;
+use crate::codes::{self, Code};
+use crate::compile::EntryKind;
 use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
 use crate::diagnostic::Diagnostic;
+use crate::entry::misfit;
 use crate::layout;
 use crate::scalar;
-use crate::source::{SourceId, Span};
+use crate::source::Span;
 use crate::typed::{ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
 use call::{Application, Callee, Frame};
 use specialise::{Job, Key};
@@ -44,9 +46,6 @@ pub struct Setting {
     pub value: Expr,
     pub locals: Vec<Local>,
 }
-
-/// The text that the user gave.
-const USER: SourceId = SourceId(0);
 
 /// More statements than this are refused: a program that grows so by specialisation is a mistake.
 const STATEMENT_LIMIT: usize = 400_000;
@@ -156,7 +155,7 @@ impl<'m> Lower<'m> {
                 Some(scalars) => word += scalars.len() as u32,
                 None => {
                     return Err(vec![unsupported(
-                        "E0906",
+                        codes::LIVE_FUNCTION,
                         param.span,
                         format!("a live function parameter is not supported yet: `{}`", param.name),
                         "set it with `--set`, which compiles the program for that function",
@@ -164,33 +163,11 @@ impl<'m> Lower<'m> {
                 }
             }
         }
+        if let Some(misfit) = misfit(self.module, entry, EntryKind::Value) {
+            return Err(vec![misfit]);
+        }
         let function = &self.module.functions[entry.0 as usize];
-        let mut args = Vec::new();
-        for ty in function.param_types() {
-            let Some(zeros) = self.zeros(ty) else {
-                return Err(vec![
-                    Diagnostic::error(
-                        codes::NOT_AN_ENTRY,
-                        function.span,
-                        format!("`{}` cannot be an entry", function.name),
-                    )
-                    .label("it takes a function or a type that is not fixed")
-                    .help("an entry's parameters are numbers, vectors, tuples, structs or enums"),
-                ]);
-            };
-            args.push(zeros);
-        }
-        if layout::scalars(self.module, &function.result).is_none() || !function.generics.is_empty() {
-            return Err(vec![
-                Diagnostic::error(
-                    codes::NOT_AN_ENTRY,
-                    function.span,
-                    format!("`{}` cannot be an entry", function.name),
-                )
-                .label("its value cannot be printed")
-                .help("an entry yields a number, vector, tuple, struct or enum, and has no type parameters"),
-            ]);
-        }
+        let args = function.param_types().map(|ty| self.zeros(ty).expect("an entry takes words")).collect();
         let params: Vec<Type> = function.param_types().cloned().collect();
         let at = Application { args, params: &params, result: &function.result, span: function.span };
         self.specialise(&Callee::Function(entry, Vec::new()), &at);
@@ -206,7 +183,8 @@ impl<'m> Lower<'m> {
     /// A problem met in a library function is shown where the user's program called it.
     fn error(&mut self, mut diagnostic: Diagnostic) {
         let place = diagnostic.primary.0;
-        if let Some(called) = self.called.filter(|called| place.source != USER && called.source == USER) {
+        let (library, module) = (self.module.is_library(place), self.module);
+        if let Some(called) = self.called.filter(|called| library && !module.is_library(*called)) {
             diagnostic.primary.0 = called;
             diagnostic.secondary.push((place, "met here, in the library".into()));
         }
@@ -335,6 +313,6 @@ fn endless((name, span): (String, Span)) -> Diagnostic {
 }
 
 /// A part of the language that this version knows but cannot compile.
-fn unsupported(code: &'static str, span: Span, title: impl Into<String>, help: &str) -> Diagnostic {
+fn unsupported(code: Code, span: Span, title: impl Into<String>, help: &str) -> Diagnostic {
     Diagnostic::error(code, span, title).label("not supported yet").help(help)
 }

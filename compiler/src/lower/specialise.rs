@@ -8,7 +8,7 @@ use super::call::{Application, Callee, Frame};
 use super::shape::Shape;
 use super::value::Value;
 use super::words::{dissect_any, rebuild_any, shape};
-use super::{Builder, Lower, USER};
+use super::{Builder, Lower};
 use crate::codes;
 use crate::core::{Atom, Block, FnId, Function, Mark, Op, Scalar, Var};
 use crate::diagnostic::Diagnostic;
@@ -101,7 +101,7 @@ impl<'m> Lower<'m> {
                 args: at.args.iter().zip(at.params).map(|(v, t)| self.outline(v, t)).collect(),
                 name: self.unique(&name),
                 span,
-                called: self.called.filter(|_| at.span.source != USER).unwrap_or(at.span),
+                called: self.called.filter(|_| self.module.is_library(at.span)).unwrap_or(at.span),
             };
             self.queue.push_back(job);
         }

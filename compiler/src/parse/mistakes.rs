@@ -4,7 +4,7 @@ mod expressions;
 mod items;
 
 use super::Context;
-use crate::codes;
+use crate::codes::{self, Code};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Lexeme;
 use expressions::{assignment, branch_braces, cast, compound_operator, lambda, range, reference, text};
@@ -37,7 +37,7 @@ const RULES: &[fn(&Place) -> Option<Diagnostic>] = &[
 ];
 
 /// These throw the parser out of step: what it says up to the next item follows from them.
-const DISTURBING: &[&str] = &[
+const DISTURBING: &[Code] = &[
     codes::FOREIGN_WORD,
     codes::TYPE_FIRST,
     codes::FIELD_BRACES,
@@ -49,7 +49,7 @@ const DISTURBING: &[&str] = &[
 ];
 
 /// What it says up to the next semicolon follows from these.
-const PASSING: &[&str] = &[
+const PASSING: &[Code] = &[
     codes::ASSIGNMENT,
     codes::FOREIGN_OPERATOR,
     codes::TEXT,
@@ -70,7 +70,7 @@ impl Context<'_> {
     }
 
     /// Silences what follows from a message at that lexeme.
-    pub(super) fn silence_after(&mut self, place: usize, code: &str) {
+    pub(super) fn silence_after(&mut self, place: usize, code: Code) {
         let passing = PASSING.contains(&code);
         if !passing && !DISTURBING.contains(&code) {
             return;
@@ -156,7 +156,7 @@ impl<'s> Place<'_, 's> {
         })
     }
 
-    fn error(&self, code: &'static str, from: isize, to: isize, title: impl Into<String>) -> Diagnostic {
+    fn error(&self, code: Code, from: isize, to: isize, title: impl Into<String>) -> Diagnostic {
         let at = |offset: isize| self.at.saturating_add_signed(offset).min(self.cx.lexemes.len() - 1);
         let (start, end) = (self.cx.lexemes[at(from)].0, self.cx.lexemes[at(to)].2);
         Diagnostic::error(code, self.cx.span(start, end), title)

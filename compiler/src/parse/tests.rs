@@ -1,6 +1,6 @@
 use super::*;
 
-fn codes_of(text: &str) -> Vec<(&'static str, u32)> {
+fn codes_of(text: &str) -> Vec<(codes::Code, u32)> {
     file(SourceId(0), text).diagnostics.iter().map(|d| (d.code, d.primary.0.start)).collect()
 }
 

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
-use super::load::{File, PRELUDE, USER};
+use super::load::{File, PRELUDE};
 use super::scope::{Scopes, TypeName, Value};
 use super::size::{MAX_WORDS, Sizes};
 use super::types::{Alias, AliasState, Names, Place, texts};
@@ -40,6 +40,9 @@ pub fn declare(files: &[File]) -> Declared<'_> {
             declared.item(file, files[file].library(), item, &mut work);
         }
     }
+    let sources = files.iter().enumerate();
+    declared.module.library = sources.filter(|(_, f)| f.library()).map(|(i, _)| SourceId(i as u32)).collect();
+    super::clash::check(files, &declared.names.scopes, &declared.module, &mut declared.diagnostics);
     declared.data_types(&work);
     declared.signatures();
     declared.rasters(&work);
@@ -115,7 +118,7 @@ impl<'a> Declared<'a> {
                 });
                 work.structs.push((file, s));
             }
-            Item::Enum(e) => self.enumeration(file, e, work),
+            Item::Enum(e) => self.enumeration(file, library, e, work),
             Item::Alias(a) => {
                 let index = self.names.aliases.borrow().len();
                 self.type_name(file, &a.name, TypeName::Alias(index));
@@ -143,8 +146,8 @@ impl<'a> Declared<'a> {
         }
     }
 
-    fn enumeration(&mut self, file: usize, e: &'a ast::Enum, work: &mut Work<'a>) {
-        if file == USER
+    fn enumeration(&mut self, file: usize, library: bool, e: &'a ast::Enum, work: &mut Work<'a>) {
+        if !library
             && let Some(&(_, prelude)) = work.enums.iter().find(|(f, p)| *f == PRELUDE && same_enum(p, e))
         {
             // Written out again, it is the same type, so that library functions fit.

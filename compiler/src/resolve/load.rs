@@ -1,18 +1,24 @@
-//! Parses the user's text and the library modules it uses, each once.
+//! Parses the user's text and the modules it uses, each once.
 
+use std::collections::HashMap;
+
+use super::path::join;
 use crate::ast::{self, Item};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::source::{Source, SourceId, Sources};
+use crate::front::components::components;
+use crate::source::{Files, Source, SourceId, Sources, Span};
 use crate::{library, parse};
 
-/// One parsed text. The user's is the first, the prelude the second.
+/// One parsed text; its index is that of its source. The user's is the first, the prelude the second.
 pub struct File {
-    /// Name of the library module; empty for the user's text.
+    /// Name of the library module; empty for the user's texts.
     pub module: String,
     pub items: ast::File,
-    /// Indices of the files whose names are in scope.
+    /// The library modules whose names are in scope.
     pub uses: Vec<usize>,
+    /// The modules in files whose names are in scope, with where they are named.
+    pub files: Vec<(usize, Span)>,
 }
 
 impl File {
@@ -24,32 +30,40 @@ impl File {
 pub const USER: usize = 0;
 pub const PRELUDE: usize = 1;
 
+/// Most files of one program.
+const MOST_FILES: usize = 1_000;
+
 #[derive(Default)]
 pub struct Loaded {
     pub sources: Sources,
     pub files: Vec<File>,
     pub diagnostics: Vec<Diagnostic>,
+    /// Files by name; nothing for those that cannot be read.
+    known: HashMap<String, Option<usize>>,
 }
 
-pub fn load(source: Source) -> Loaded {
+pub fn load(source: Source, files: &dyn Files) -> Loaded {
     let mut loaded = Loaded::default();
+    loaded.known.insert(join("", &source.name), Some(USER));
     loaded.parse(String::new(), source);
     loaded.library(library::PRELUDE);
     let mut next = USER;
     while next < loaded.files.len() {
-        loaded.uses_of(next);
+        loaded.uses_of(next, files);
         next += 1;
     }
+    loaded.cycles();
     loaded
 }
 
 impl Loaded {
-    fn parse(&mut self, module: String, source: Source) -> SourceId {
+    /// Parses a text; its index.
+    fn parse(&mut self, module: String, source: Source) -> usize {
         let id = self.sources.add(source);
         let parsed = parse::file(id, &self.sources.get(id).text);
         self.diagnostics.extend(parsed.diagnostics);
-        self.files.push(File { module, items: parsed.tree, uses: Vec::new() });
-        id
+        self.files.push(File { module, items: parsed.tree, uses: Vec::new(), files: Vec::new() });
+        self.files.len() - 1
     }
 
     /// Index of a library module, which is parsed when it is met first.
@@ -58,19 +72,15 @@ impl Loaded {
             return Some(known);
         }
         let text = library::text(name)?;
-        self.parse(name.to_owned(), Source::new(library::file_name(name), text));
-        Some(self.files.len() - 1)
+        Some(self.parse(name.to_owned(), Source::new(library::file_name(name), text)))
     }
 
-    fn uses_of(&mut self, file: usize) {
-        let mut names = Vec::new();
+    fn uses_of(&mut self, file: usize, files: &dyn Files) {
+        let (mut names, mut paths) = (Vec::new(), Vec::new());
         for item in &self.files[file].items {
             match item {
                 Item::Use(name) => names.push(name.clone()),
-                Item::UseFile(path) => self.diagnostics.push(
-                    Diagnostic::error(codes::FILE_MODULE, path.span, "modules in files are not supported yet")
-                        .help("put the definitions into this file; library modules are used by name, as in `use terrain;`"),
-                ),
+                Item::UseFile(path) => paths.push(path.clone()),
                 _ => {}
             }
         }
@@ -81,15 +91,100 @@ impl Loaded {
                 None => self.unknown(&name),
             }
         }
+        for path in paths {
+            if let Some(used) = self.file(file, &path, files) {
+                self.files[file].files.push((used, path.span));
+            }
+        }
+    }
+
+    /// Index of a module in a file, which is read when it is met first.
+    fn file(&mut self, from: usize, path: &ast::Name, files: &dyn Files) -> Option<usize> {
+        let name = join(&self.sources.get(SourceId(from as u32)).name, &path.text);
+        if let Some(known) = self.known.get(&name) {
+            return *known;
+        }
+        let text = match self.known.len() {
+            MOST_FILES.. => Err(format!("a program has at most {MOST_FILES} files")),
+            _ => files.read(&name),
+        };
+        let index = match text {
+            Ok(text) => Some(self.parse(String::new(), Source::new(name.clone(), text))),
+            Err(reason) => {
+                let title = format!("cannot read the module \"{}\"", path.text);
+                self.diagnostics.push(
+                    Diagnostic::error(codes::UNREADABLE_MODULE, path.span, title)
+                        .label(format!("`{name}`: {reason}"))
+                        .help("a path is relative to the folder of the file that it stands in"),
+                );
+                None
+            }
+        };
+        self.known.insert(name, index);
+        index
     }
 
     fn unknown(&mut self, name: &ast::Name) {
         let known = library::MODULES.iter().map(|(module, _)| *module);
         let help = match super::similar(&name.text, known.clone()) {
             Some(meant) => format!("did you mean `{meant}`?"),
-            None => format!("the library modules are {}", known.collect::<Vec<_>>().join(", ")),
+            None => format!(
+                "the library modules are {}; a module in a file is used by its path, as in `use \"{}.ghyll\";`",
+                known.collect::<Vec<_>>().join(", "),
+                name.text
+            ),
         };
         let title = format!("there is no module `{}`", name.text);
         self.diagnostics.push(Diagnostic::error(codes::UNKNOWN_MODULE, name.span, title).help(help));
+    }
+
+    /// Files that use each other in a circle: one diagnostic for each, with a shortest way round.
+    fn cycles(&mut self) {
+        let successors: Vec<Vec<usize>> =
+            self.files.iter().map(|f| f.files.iter().map(|(used, _)| *used).collect()).collect();
+        let component = components(&successors);
+        let mut reported = Vec::new();
+        for start in 0..self.files.len() {
+            let same = |used: &usize| component[*used] == component[start];
+            if successors[start].iter().any(same) && !reported.contains(&component[start]) {
+                reported.push(component[start]);
+                let cycle = self.way_round(start, &component);
+                self.diagnostics.push(self.cycle(&cycle));
+            }
+        }
+    }
+
+    /// The uses that lead from a file back to itself: the file, and where it names the next one.
+    fn way_round(&self, start: usize, component: &[usize]) -> Vec<(usize, Span)> {
+        let mut from: HashMap<usize, (usize, Span)> = HashMap::new();
+        let mut open = std::collections::VecDeque::from([start]);
+        while let Some(file) = open.pop_front() {
+            for (used, span) in &self.files[file].files {
+                if component[*used] == component[start] && !from.contains_key(used) {
+                    from.insert(*used, (file, *span));
+                    open.push_back(*used);
+                }
+            }
+        }
+        let mut way = vec![from[&start]];
+        while way[way.len() - 1].0 != start {
+            way.push(from[&way[way.len() - 1].0]);
+        }
+        way.reverse();
+        way
+    }
+
+    fn cycle(&self, way: &[(usize, Span)]) -> Diagnostic {
+        let name = |file: usize| self.sources.get(SourceId(file as u32)).name.as_str();
+        let round: Vec<&str> = way.iter().chain(way.first()).map(|(file, _)| name(*file)).collect();
+        let (_, last) = way[way.len() - 1];
+        let title = format!("the module `{}` uses itself", name(way[0].0));
+        let diagnostic = Diagnostic::error(codes::MODULE_CYCLE, last, title)
+            .label(round.join(" -> "))
+            .help("put what both need into a module of its own");
+        let others = &way[..way.len() - 1];
+        others
+            .iter()
+            .fold(diagnostic, |d, (file, span)| d.also(*span, format!("`{}` uses this", name(*file))))
     }
 }

@@ -1,11 +1,11 @@
-//! What a name means at the top level of each file: its own items, then those of the modules it uses (the
-//! last `use` first), then the prelude's. Types and values live apart.
+//! What a name means at the top level of each file: its own items and those of the files it uses, then those of the
+//! library modules it uses (the last `use` first), then the prelude's. Types and values live apart.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::load::{File, PRELUDE};
 use crate::builtins::{Builtin, Scope as Visibility};
-use crate::source::{SourceId, Span};
+use crate::source::Span;
 use crate::typed::{ConstId, EnumId, FunctionId, Module, ParamId, RasterId, StructId};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,30 @@ impl Scope {
     pub fn add_type(&mut self, name: &str, ty: TypeName, span: Span) -> Option<Span> {
         insert(&mut self.types, name, ty, span)
     }
+
+    /// Names of values and types, in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let all: BTreeSet<&str> = self.values.keys().chain(self.types.keys()).map(String::as_str).collect();
+        all.into_iter()
+    }
+
+    /// Where a name is defined.
+    pub fn place(&self, name: &str) -> Option<Span> {
+        let value = self.values.get(name).map(|(_, span)| *span);
+        value.or_else(|| self.types.get(name).map(|(_, span)| *span))
+    }
+
+    /// Where a name is defined, if it means something else in another scope.
+    pub fn clash(&self, other: &Scope, name: &str) -> Option<Span> {
+        let value = match (self.values.get(name), other.values.get(name)) {
+            (Some((a, at)), Some((b, _))) if a != b => Some(*at),
+            _ => None,
+        };
+        value.or(match (self.types.get(name), other.types.get(name)) {
+            (Some((a, at)), Some((b, _))) if a != b => Some(*at),
+            _ => None,
+        })
+    }
 }
 
 fn insert<T>(map: &mut HashMap<String, (T, Span)>, name: &str, item: T, span: Span) -> Option<Span> {
@@ -55,6 +79,11 @@ fn insert<T>(map: &mut HashMap<String, (T, Span)>, name: &str, item: T, span: Sp
     None
 }
 
+/// Names that stay in their module: those with `_` in front, and the entries of a program of its own.
+pub fn is_private(name: &str) -> bool {
+    name.starts_with('_') || name == "main" || name == "pixel"
+}
+
 /// The scopes of all files, by index.
 #[derive(Default)]
 pub struct Scopes(pub Vec<Scope>);
@@ -62,7 +91,7 @@ pub struct Scopes(pub Vec<Scope>);
 impl Scopes {
     pub fn new(files: &[File]) -> Scopes {
         let scope = |file: &File| Scope {
-            uses: file.uses.clone(),
+            uses: file.uses.iter().copied().chain(file.files.iter().map(|(used, _)| *used)).collect(),
             library: file.library(),
             terrain: file.library() || file.uses.iter().any(|&u| files[u].module == "terrain"),
             ..Scope::default()
@@ -74,8 +103,7 @@ impl Scopes {
     pub fn of_module(module: &Module) -> Scopes {
         let mut scope = Scope { terrain: true, ..Scope::default() };
         for users in [true, false] {
-            // The user's text is the first.
-            let wanted = |span: Span| (span.source == SourceId(0)) == users;
+            let wanted = |span: Span| module.is_library(span) != users;
             for (i, f) in module.functions.iter().enumerate().filter(|(_, f)| wanted(f.span)) {
                 scope.add_value(&f.name, Value::Function(FunctionId(i as u32)), f.span);
             }
@@ -109,9 +137,9 @@ impl Scopes {
         self.visible(file, name).find_map(|s| s.types.get(name)).map(|(ty, _)| *ty)
     }
 
-    /// Scopes in the order in which they are asked. Library names with `_` in front stay in their module.
+    /// Scopes in the order in which they are asked.
     fn visible<'a>(&'a self, file: usize, name: &str) -> impl Iterator<Item = &'a Scope> {
-        let private = name.starts_with('_');
+        let private = is_private(name);
         self.reachable(file).filter(move |(own, _)| *own || !private).map(|(_, scope)| scope)
     }
 
@@ -119,6 +147,12 @@ impl Scopes {
         let own = &self.0[file];
         let used = own.uses.iter().rev().chain(std::iter::once(&PRELUDE)).filter_map(|&u| self.0.get(u));
         std::iter::once((true, own)).chain(used.map(|scope| (false, scope)))
+    }
+
+    /// Where a file that is not in scope defines a name.
+    pub fn elsewhere(&self, name: &str) -> Option<Span> {
+        let others = self.0.iter().filter(|scope| !scope.library && !is_private(name));
+        others.filter_map(|scope| scope.place(name)).next()
     }
 
     /// A built-in that the file can name.

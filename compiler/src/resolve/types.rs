@@ -145,6 +145,11 @@ impl Names<'_> {
             .chain(PLAIN.iter().map(|(plain, _)| *plain))
             .chain(place.generics.iter().map(String::as_str));
         let diagnostic = Diagnostic::error(codes::UNKNOWN_TYPE, span, format!("there is no type `{name}`"));
+        if let Some(place) = self.scopes.elsewhere(name) {
+            return diagnostic
+                .also(place, "defined here")
+                .help("`use` the file that defines it: what it uses itself is not passed on");
+        }
         match foreign::type_help(name)
             .or_else(|| super::similar(name, known).map(|meant| format!("did you mean `{meant}`?")))
         {

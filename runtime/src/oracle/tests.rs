@@ -5,7 +5,7 @@ use std::time::Duration;
 use ghyll_compiler::compile::{self, Compiled, compile};
 use ghyll_compiler::core::{Const, Intrinsic};
 use ghyll_compiler::front::{Checked, front};
-use ghyll_compiler::source::Source;
+use ghyll_compiler::source::{NoFiles, Source};
 use ghyll_compiler::stream::initial;
 
 use super::{OracleOptions, Precision, evaluate, render};
@@ -16,7 +16,7 @@ use crate::value::Value;
 use crate::world::World;
 
 fn check(text: &str) -> Checked {
-    front(Source::new("test.ghyll", text)).unwrap_or_else(|r| panic!("{:?}\n{text}", r.diagnostics))
+    front(Source::new("test.ghyll", text), &NoFiles).unwrap_or_else(|r| panic!("{:?}\n{text}", r.diagnostics))
 }
 
 fn run(text: &str, args: &[Value], options: &OracleOptions) -> Result<Value, RunError> {

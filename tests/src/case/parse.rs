@@ -183,7 +183,7 @@ fn fails(rest: &str) -> Read<Expectation> {
     Ok(Expectation::Fails { call: call(&call_text)?, status, part: quoted(part)? })
 }
 
-/// `CODE? at LINE:COLUMN "part of the title"?`
+/// `CODE? at FILE:?LINE:COLUMN "part of the title"?`
 fn diagnostic(severity: Severity, rest: &str) -> Read<Expectation> {
     let (code, place) = match split_word(rest) {
         ("at", _) => ("", rest),
@@ -198,14 +198,25 @@ fn diagnostic(severity: Severity, rest: &str) -> Read<Expectation> {
         return Err("`at LINE:COLUMN` is missing".into());
     }
     let (place, part) = split_word(place);
-    let (line, column) = pair(place, ':')?;
+    let (file, within) = match place.split_once(':') {
+        Some((file, within)) if within.contains(':') => (file, within),
+        _ => ("", place),
+    };
+    let (line, column) = pair(within, ':')?;
     let count = |text: &str| match text.parse() {
         Ok(0) | Err(_) => Err(format!("`{place}` is no place")),
         Ok(n) => Ok(n),
     };
     let part = if part.is_empty() { String::new() } else { quoted(part)? };
     let (line, column) = (count(&line)?, count(&column)?);
-    Ok(Expectation::Diagnostic(Diagnostic { severity, code: code.into(), line, column, part }))
+    Ok(Expectation::Diagnostic(Diagnostic {
+        severity,
+        file: file.into(),
+        code: code.into(),
+        line,
+        column,
+        part,
+    }))
 }
 
 fn tasks(rest: &str) -> Read<Expectation> {

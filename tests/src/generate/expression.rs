@@ -282,9 +282,8 @@ impl Generator<'_> {
             (self.expression(&Type::Bool, depth - 1, s), self.expression(ty, depth - 1, s))
         });
         let third = self.expression(ty, depth - 1, scope);
-        // `i32` keeps a literal from taking its type from what an arm does with the name.
         format!(
-            "(match i32({scrutinee}) {{ 0 | -1 | 7 => {first}, {name} if {guard} => {second}, _ => {third} }})"
+            "(match {scrutinee} {{ 0 | -1 | 7 => {first}, {name} if {guard} => {second}, _ => {third} }})"
         )
     }
 

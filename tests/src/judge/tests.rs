@@ -58,7 +58,7 @@ fn mode_verdict(header: &str, backend: &Planted) -> Result<(), String> {
 }
 
 fn found(severity: Severity, code: &str, line: u32, column: u32, part: &str) -> Diagnostic {
-    Diagnostic { severity, code: code.into(), line, column, part: part.into() }
+    Diagnostic { severity, file: String::new(), code: code.into(), line, column, part: part.into() }
 }
 
 #[test]

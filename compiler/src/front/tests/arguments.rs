@@ -78,6 +78,6 @@ fn mistakes_are_reported() {
     ] {
         let report = parse_arguments(&module, text, &ty).expect_err(text);
         assert_eq!(report.diagnostics[0].code, code, "{text}");
-        assert!(crate::report::render(&report, false).contains(code));
+        assert!(crate::report::render(&report, false).contains(code.as_str()));
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::codes::*;
 
-fn codes_of(text: &str) -> Vec<&'static str> {
+fn codes_of(text: &str) -> Vec<Code> {
     found(text).into_iter().map(|(code, _)| code).collect()
 }
 

@@ -72,6 +72,14 @@ fn a_place_may_come_with_a_code_and_a_part() {
 }
 
 #[test]
+fn a_place_may_be_in_a_module() {
+    let Expectation::Diagnostic(d) = &one("//# error at lib/a.ghyll:3:4").expectations[0] else {
+        panic!("no diagnostic")
+    };
+    assert_eq!((d.file.as_str(), d.line, d.column), ("lib/a.ghyll", 3, 4));
+}
+
+#[test]
 fn what_is_not_understood_is_refused() {
     for header in [
         "//# rnu main() => 1",
@@ -87,6 +95,8 @@ fn what_is_not_understood_is_refused() {
         "//# error",
         "//# error at 1",
         "//# error at 0:1",
+        "//# error at a.ghyll:1",
+        "//# error at a.ghyll:1:0",
         "//# error X0301 at 1:1",
         "//# error E301 at 1:1",
         "//# error E0301 1:1",

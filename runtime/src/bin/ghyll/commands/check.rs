@@ -6,6 +6,7 @@ use crate::failure::{self, Failure};
 use crate::report::line;
 use ghyll_compiler::diagnostic::Report;
 use ghyll_compiler::{compile, explain};
+use ghyll_runtime::files::Disk;
 use serde_json::json;
 
 pub fn check(arguments: &Check) -> Result<(), Failure> {
@@ -17,7 +18,8 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let Some(file) = &arguments.file else {
         return Err(Failure::Usage("name a program, or a code with --explain".into()));
     };
-    let checked = compile::check(read(file)?).map_err(|report| Failure::Diagnostics { report, json })?;
+    let checked =
+        compile::check_with(read(file)?, &Disk).map_err(|report| Failure::Diagnostics { report, json })?;
     let diagnostics = [checked.warnings.clone(), compile::reach(&checked)].concat();
     let report = Report { sources: checked.sources, diagnostics };
     if report.has_errors() {

@@ -18,35 +18,20 @@ use ghyll_compiler::diagnostic::Report;
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::source::Source;
 use ghyll_compiler::typed::{Expr, Local};
+use ghyll_runtime::files::{self, Disk};
 use ghyll_runtime::machine::evaluate_argument;
 use ghyll_runtime::value::Value;
 use std::path::Path;
 
-/// Longest program text that is read.
-const LONGEST_PROGRAM: u64 = 64 << 20;
-
 /// Reads a program's text.
 fn read(path: &Path) -> Result<Source, Failure> {
-    let shown = path.display();
-    let fail = |why: &dyn std::fmt::Display| Failure::Input(format!("cannot read {shown}: {why}"));
-    let length = std::fs::metadata(path).map_err(|e| fail(&e))?;
-    if length.is_dir() {
-        return Err(Failure::Input(format!("{shown} is a folder; name a .ghyll file in it")));
-    }
-    if length.len() > LONGEST_PROGRAM {
-        return Err(fail(&"it is longer than 64 MiB, so hardly a program"));
-    }
-    let bytes = std::fs::read(path).map_err(|e| fail(&e))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        fail(&format!("it is not UTF-8 (first bad byte at offset {at}); save it as UTF-8"))
-    })?;
-    Ok(Source::new(shown.to_string(), text))
+    files::source(path).map_err(Failure::Input)
 }
 
 /// Parses and checks a program, showing its warnings.
 fn checked(source: Source, json: bool) -> Result<Checked, Failure> {
-    let checked = compile::check(source).map_err(|report| Failure::Diagnostics { report, json })?;
+    let checked =
+        compile::check_with(source, &Disk).map_err(|report| Failure::Diagnostics { report, json })?;
     if !json && !checked.warnings.is_empty() {
         let diagnostics = checked.warnings.clone();
         failure::show(&Report { sources: checked.sources.clone(), diagnostics }, false);

@@ -41,7 +41,7 @@ impl Engine {
         let start = Instant::now();
         let stats = self.draw(width, height, entry)?;
         let words = self.picture(width, height)?;
-        Ok(Frame { words, stats: Stats { time: start.elapsed(), ..stats } })
+        Ok(Frame { words, stats: Stats { time: start.elapsed(), memory: self.memory(), ..stats } })
     }
 
     /// As [`Engine::render`], leaving the picture on the device.

@@ -121,8 +121,6 @@ codes! {
 
     TRACED_SURFACE "E0902" "tracing this surface is not supported yet";
     DERIVATIVE "E0903" "derivatives are not supported yet";
-    BAKE "W0904" "baking is not supported yet";
-    RASTER "E0905" "rasters are not supported yet";
     LIVE_FUNCTION "E0906" "live function parameters are not supported yet";
 }
 

@@ -1,16 +1,19 @@
 //! One specialisation of a checked program: entry chosen, parameters fixed, table and code made.
 
 use crate::argument::parse_arguments;
-use crate::back::{self, Back};
-use crate::codes;
+use crate::back::Back;
+use crate::bake::{self, Bake};
 use crate::diagnostic::{Diagnostic, Report};
-use crate::entry::{self, is_image};
+use crate::entry;
 use crate::front::{self, Checked, on_large_stack};
 use crate::infer::show::show_type;
 use crate::layout;
-use crate::lower::{self, Setting, Settings};
+use crate::lower::{self, Asked, Setting, Settings};
 use crate::source::{Files, NoFiles, Source};
-use crate::typed::{FunctionId, Literal, Module, Param, ParamId, Type};
+use crate::typed::{FunctionId, Literal, Module, Param, ParamId, RasterId, Type};
+use std::collections::BTreeSet;
+
+pub use crate::entry::EntryKind;
 
 /// What the host decides.
 #[derive(Clone, Debug, Default)]
@@ -23,13 +26,8 @@ pub struct Options {
     pub set: Vec<(String, String)>,
     /// Parameters that stay changeable.
     pub live: Vec<String>,
-}
-
-/// LANGUAGE.md, section 8.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EntryKind {
-    Value,
-    Image,
+    /// Calls of baked functions stay calls.
+    pub no_bake: bool,
 }
 
 /// Why a program could not be compiled.
@@ -52,6 +50,10 @@ pub struct Compiled {
     /// For the oracle, which evaluates the typed tree.
     pub settings: Settings,
     pub back: Back,
+    /// Rasters that the entry or a bake reads, in order.
+    pub rasters: Vec<RasterId>,
+    /// What is evaluated for the field's samples before the first picture, each after those that it reads.
+    pub bakes: Vec<Bake>,
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -75,77 +77,49 @@ pub fn check_with(source: Source, files: &dyn Files) -> Result<Checked, Report> 
 /// Checked program to table and code.
 pub fn compile(checked: &Checked, options: &Options) -> Result<Compiled, CompileError> {
     let module = &checked.module;
-    let (entry, kind) = find_entry(checked, options)?;
+    let (entry, kind) = entry::find(checked, options)?;
     let settings = settings(module, options)?;
     let report =
         |diagnostics| CompileError::Program(Report { sources: checked.sources.clone(), diagnostics });
-    let back = on_large_stack(|| lower::lower(module, entry, &settings).map(back::back)).map_err(report)?;
+    // A value asks for few positions, far fewer than a field has samples.
+    let bake = kind != EntryKind::Value && !options.no_bake;
+    let asked = if kind == EntryKind::Map { Asked::ForSamples } else { Asked::Plainly };
+    let (back, bakes) =
+        on_large_stack(|| bake::backs(module, (entry, asked), &settings, bake)).map_err(report)?;
     let function = &module.functions[entry.0 as usize];
-    let warnings = baked(module);
+    let all = bakes.iter().flat_map(|bake| bake.reads.iter().copied()).chain(bake::slots(&back.core));
+    let rasters = all.filter(|slot| (*slot as usize) < module.rasters.len());
+    let rasters: BTreeSet<u32> = rasters.collect();
     Ok(Compiled {
         entry,
         kind,
         params: function.param_types().cloned().collect(),
         result: function.result.clone(),
         settings,
+        rasters: rasters.into_iter().map(RasterId).collect(),
+        bakes,
         back,
-        warnings,
+        warnings: Vec::new(),
     })
 }
 
-/// The entry and what it is.
-fn find_entry(checked: &Checked, options: &Options) -> Result<(FunctionId, EntryKind), CompileError> {
-    let module = &checked.module;
-    let fallback = match options.want {
-        Some(EntryKind::Value) => &["main"][..],
-        Some(EntryKind::Image) => &["pixel"][..],
-        None => &["main", "pixel"][..],
-    };
-    let names: Vec<&str> = match &options.entry {
-        Some(name) => vec![name.as_str()],
-        None => fallback.to_vec(),
-    };
-    let mut misfits = Vec::new();
-    for name in &names {
-        let Some(id) = module.function(name) else { continue };
-        let kind = options.want.unwrap_or(match *name != "main" && is_image(module, id) {
-            true => EntryKind::Image,
-            false => EntryKind::Value,
-        });
-        match entry::misfit(module, id, kind) {
-            None => return Ok((id, kind)),
-            Some(misfit) => misfits.push(misfit),
-        }
+/// Another value of a live parameter, without compiling again.
+pub fn set_live(
+    checked: &Checked,
+    compiled: &mut Compiled,
+    name: &str,
+    text: &str,
+) -> Result<(), CompileError> {
+    let set = vec![(name.to_string(), text.to_string())];
+    let changed = settings(&checked.module, &Options { set, ..Options::default() })?;
+    if let Some(id) = changed.set.keys().find(|id| !compiled.settings.live.contains(id)) {
+        let name = &checked.module.params[id.0 as usize].name;
+        return Err(CompileError::Request(format!(
+            "the parameter `{name}` was fixed when the program was compiled; declare it live to change it"
+        )));
     }
-    if !misfits.is_empty() {
-        let sources = checked.sources.clone();
-        return Err(CompileError::Program(Report { sources, diagnostics: misfits }));
-    }
-    Err(CompileError::Request(match (&options.entry, options.want) {
-        (Some(name), _) => {
-            let mut have: Vec<&str> =
-                module.functions.iter().filter(|f| !f.library).map(|f| f.name.as_str()).collect();
-            have.truncate(8);
-            format!("there is no function `{name}` (the program has: {})", have.join(", "))
-        }
-        (None, Some(EntryKind::Image)) => {
-            let hint = match module.function("main") {
-                Some(_) => "; it has a value entry: use `ghyll run`, or name another entry with --entry NAME",
-                None => "; name another entry with --entry NAME",
-            };
-            format!("the program has no `fn pixel(p: vec2) -> vec3`{hint}")
-        }
-        (None, Some(EntryKind::Value)) => {
-            let hint = match module.function("pixel") {
-                Some(_) => "; it has an image entry: use `ghyll render`",
-                None => "; name another entry with --entry NAME",
-            };
-            format!("the program has no `fn main`{hint}")
-        }
-        (None, None) => {
-            "the program has neither `fn main` nor `fn pixel`; name an entry with --entry NAME".into()
-        }
-    }))
+    compiled.settings.set.extend(changed.set);
+    Ok(())
 }
 
 /// Parameters set from outside, checked.
@@ -221,25 +195,13 @@ fn number(expr: &crate::typed::Expr) -> Option<f64> {
     }
 }
 
-/// `@bake` changes nothing but speed; it is not used yet.
-fn baked(module: &Module) -> Vec<Diagnostic> {
-    let marked = module.functions.iter().filter(|f| f.attributes.bake && !f.library);
-    marked
-        .map(|f| {
-            Diagnostic::warning(codes::BAKE, f.span, "`@bake` is not supported yet")
-                .label("evaluated where it is used instead of once for each texel")
-        })
-        .collect()
-}
-
 /// What only specialisation finds, for every entry a host may ask for: see [`entry::asked_for`].
 pub fn reach(checked: &Checked) -> Vec<Diagnostic> {
     let module = &checked.module;
-    let mut found: Vec<Diagnostic> = baked(module);
-    let (entries, misfits) = entry::asked_for(module);
-    found.extend(misfits);
+    let (entries, mut found) = entry::asked_for(module);
     for entry in entries {
-        let lowered = on_large_stack(|| lower::lower(module, entry, &Settings::default()).err());
+        let lowered =
+            on_large_stack(|| lower::lower(module, entry, Asked::Plainly, &Settings::default()).err());
         for diagnostic in lowered.into_iter().flatten() {
             if !found.contains(&diagnostic) {
                 found.push(diagnostic);

@@ -1,15 +1,96 @@
 //! Which functions can be entries, and as what (LANGUAGE.md, section 8).
 
 use crate::codes;
-use crate::compile::EntryKind;
-use crate::diagnostic::Diagnostic;
+use crate::compile::{CompileError, Options};
+use crate::diagnostic::{Diagnostic, Report};
+use crate::front::Checked;
 use crate::front::walk::walk;
 use crate::layout;
 use crate::typed::{ExprKind, Function, FunctionId, Module, Type};
 
-/// Names that a host runs without being told, with what each must be.
-const ROLES: &[(&str, EntryKind)] =
-    &[("main", EntryKind::Value), ("pixel", EntryKind::Image), ("map", EntryKind::Image)];
+/// LANGUAGE.md, section 8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EntryKind {
+    Value,
+    Image,
+    /// One value for each sample of the field.
+    Map,
+}
+
+impl EntryKind {
+    /// Name of the entry where the host names none.
+    fn entry(self) -> &'static str {
+        match self {
+            EntryKind::Value => "main",
+            EntryKind::Image => "pixel",
+            EntryKind::Map => "map",
+        }
+    }
+
+    /// The command that takes such an entry.
+    fn command(self) -> &'static str {
+        match self {
+            EntryKind::Value => "run",
+            EntryKind::Image => "render",
+            EntryKind::Map => "map",
+        }
+    }
+
+    const ALL: [EntryKind; 3] = [EntryKind::Value, EntryKind::Image, EntryKind::Map];
+}
+
+/// The entry and what it is.
+pub(crate) fn find(checked: &Checked, options: &Options) -> Result<(FunctionId, EntryKind), CompileError> {
+    let module = &checked.module;
+    let names: Vec<&str> = match (&options.entry, options.want) {
+        (Some(name), _) => vec![name.as_str()],
+        (None, Some(kind)) => vec![kind.entry()],
+        (None, None) => EntryKind::ALL.map(EntryKind::entry).to_vec(),
+    };
+    let mut misfits = Vec::new();
+    for name in &names {
+        let Some(id) = module.function(name) else { continue };
+        let kind = options.want.unwrap_or(match *name {
+            "map" if is_image(module, id) => EntryKind::Map,
+            "main" => EntryKind::Value,
+            _ if is_image(module, id) => EntryKind::Image,
+            _ => EntryKind::Value,
+        });
+        match misfit(module, id, kind) {
+            None => return Ok((id, kind)),
+            Some(misfit) => misfits.push(misfit),
+        }
+    }
+    if !misfits.is_empty() {
+        let sources = checked.sources.clone();
+        return Err(CompileError::Program(Report { sources, diagnostics: misfits }));
+    }
+    Err(CompileError::Request(absent(module, options)))
+}
+
+/// No function has the entry's name.
+fn absent(module: &Module, options: &Options) -> String {
+    match (&options.entry, options.want) {
+        (Some(name), _) => {
+            let mut have: Vec<&str> =
+                module.functions.iter().filter(|f| !f.library).map(|f| f.name.as_str()).collect();
+            have.truncate(8);
+            format!("there is no function `{name}` (the program has: {})", have.join(", "))
+        }
+        (None, Some(kind)) => {
+            let form = if kind == EntryKind::Value { "" } else { "(p: vec2) -> vec3" };
+            let other = EntryKind::ALL.into_iter().find(|kind| module.function(kind.entry()).is_some());
+            let hint = other.map_or(String::new(), |other| {
+                format!("it has `fn {}`: use `ghyll {}`, or ", other.entry(), other.command())
+            });
+            format!("the program has no `fn {}{form}`; {hint}name an entry with --entry NAME", kind.entry())
+        }
+        (None, None) => {
+            "the program has none of `fn main`, `fn pixel` and `fn map`; name an entry with --entry NAME"
+                .into()
+        }
+    }
+}
 
 /// `fn(vec2) -> T`, T of one to four floats.
 pub fn is_image(module: &Module, id: FunctionId) -> bool {
@@ -22,9 +103,10 @@ pub fn is_image(module: &Module, id: FunctionId) -> bool {
 pub fn misfit(module: &Module, id: FunctionId, kind: EntryKind) -> Option<Diagnostic> {
     let function = &module.functions[id.0 as usize];
     let name = &function.name;
-    if kind == EntryKind::Image {
+    if kind != EntryKind::Value {
+        let what = if kind == EntryKind::Map { "a map" } else { "an image" };
         let error = || {
-            let title = format!("`{name}` is not an image entry");
+            let title = format!("`{name}` is not {what} entry");
             Diagnostic::error(codes::NOT_AN_ENTRY, function.span, title)
                 .label("takes or yields something else")
                 .help(format!("write `fn {name}(p: vec2) -> T`, T one of f32, vec2, vec3 and vec4"))
@@ -52,7 +134,7 @@ pub fn misfit(module: &Module, id: FunctionId, kind: EntryKind) -> Option<Diagno
 /// The functions that a host may run without being told, as far as they have the shape of their role. Where none
 /// has, every function that could be an entry, and what is wrong with a `main` or `pixel` that nothing else calls.
 pub fn asked_for(module: &Module) -> (Vec<FunctionId>, Vec<Diagnostic>) {
-    let named = ROLES.iter().filter_map(|(name, kind)| Some((module.function(name)?, *kind)));
+    let named = EntryKind::ALL.into_iter().filter_map(|kind| Some((module.function(kind.entry())?, kind)));
     let (fitting, others): (Vec<_>, Vec<_>) =
         named.partition(|(id, kind)| misfit(module, *id, *kind).is_none());
     if !fitting.is_empty() {

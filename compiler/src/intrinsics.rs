@@ -3,7 +3,7 @@
 //!
 //! Operands and results are scalars. World coordinates are metres, x east, y north, z up.
 
-use crate::core::Scalar::{self, Bool, F32};
+use crate::core::Scalar::{self, Bool, F32, U32};
 
 macro_rules! intrinsics {
     ($($id:ident $name:literal ($($param:expr),*) -> ($($result:expr),*) $cost:literal;)*) => {
@@ -59,6 +59,26 @@ intrinsics! {
     PixelWidth "pixel_width" () -> (F32, F32) 1;
     SunDir "sun_dir" () -> (F32, F32, F32) 1;
     SunColor "sun_color" () -> (F32, F32, F32) 1;
+    // World position of the field's sample at a pixel position.
+    Place "place" (F32, F32) -> (F32, F32) 4;
+    // Data layers: (slot, x, y) -> components. The first slots are the program's rasters in order, then come baked functions.
+    Raster1 "raster_1" (U32, F32, F32) -> (F32) 30;
+    Raster2 "raster_2" (U32, F32, F32) -> (F32, F32) 40;
+    Raster3 "raster_3" (U32, F32, F32) -> (F32, F32, F32) 50;
+    Raster4 "raster_4" (U32, F32, F32) -> (F32, F32, F32, F32) 60;
+}
+
+impl Intrinsic {
+    /// Reads a layer of 1 to 4 components.
+    pub fn raster(components: usize) -> Option<Intrinsic> {
+        use Intrinsic::{Raster1, Raster2, Raster3, Raster4};
+        [Raster1, Raster2, Raster3, Raster4].into_iter().find(|i| i.results().len() == components)
+    }
+
+    /// Whether it reads a layer.
+    pub fn is_raster(self) -> bool {
+        Intrinsic::raster(self.results().len()) == Some(self)
+    }
 }
 
 /// Result of [`Intrinsic`]s with mixed or many results in WGSL.

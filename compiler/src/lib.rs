@@ -6,6 +6,7 @@
 pub mod argument;
 pub mod ast;
 pub mod back;
+pub mod bake;
 pub mod builtins;
 pub mod codes;
 pub mod compile;
@@ -27,6 +28,7 @@ pub mod optimise;
 pub mod parse;
 pub mod report;
 mod resolve;
+pub use resolve::similar;
 pub mod scalar;
 pub mod source;
 pub mod split;

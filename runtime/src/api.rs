@@ -27,14 +27,17 @@
 //! # }
 //! ```
 
+use crate::bake::BakedScene;
 use crate::config::Config;
 use crate::error::RunError;
 use crate::files::{self, Disk};
-use crate::gpu::{Engine, GpuError, GpuOptions};
-use crate::gpu_terrain::GpuTerrain;
+use crate::gpu::{GpuError, GpuOptions};
 use crate::image::Image;
+use crate::kernels::Kernels;
 use crate::machine::{Job, Machine, Wanted};
-use crate::terrain::{Scene, SceneError, SceneOptions, Sun, Terrain, View};
+use crate::map::Map;
+use crate::rasters::{self, BindError};
+use crate::terrain::{Raster, Scene, SceneError, SceneOptions, Sun, Terrain, View};
 use crate::value::Value;
 use ghyll_compiler::compile::{self, CompileError, Compiled, EntryKind};
 use ghyll_compiler::diagnostic::Report;
@@ -53,6 +56,8 @@ pub enum Error {
     /// An entry, a parameter or an argument that the program does not have.
     #[error("{0}")]
     Request(String),
+    #[error(transparent)]
+    Raster(#[from] BindError),
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
@@ -154,12 +159,22 @@ impl Runtime {
 
     /// A picture to be made of `fn pixel`.
     pub fn scene<'a>(&'a self, program: &Program) -> SceneBuilder<'a> {
+        self.builder(program, EntryKind::Image)
+    }
+
+    /// A map to be made of `fn map`, by [`Picture::map`].
+    pub fn map<'a>(&'a self, program: &Program) -> SceneBuilder<'a> {
+        self.builder(program, EntryKind::Map)
+    }
+
+    fn builder<'a>(&'a self, program: &Program, want: EntryKind) -> SceneBuilder<'a> {
         SceneBuilder {
             runtime: self,
             program: program.clone(),
             terrain: None,
+            rasters: Vec::new(),
             options: SceneOptions::default(),
-            compile: compile::Options { want: Some(EntryKind::Image), ..Default::default() },
+            compile: compile::Options { want: Some(want), ..Default::default() },
         }
     }
 }
@@ -193,6 +208,7 @@ pub struct SceneBuilder<'a> {
     runtime: &'a Runtime,
     program: Program,
     terrain: Option<Terrain>,
+    rasters: Vec<(String, Arc<Raster>)>,
     options: SceneOptions,
     compile: compile::Options,
 }
@@ -201,6 +217,12 @@ impl<'a> SceneBuilder<'a> {
     /// The height field; the built-in one if this is not called.
     pub fn terrain(mut self, terrain: Terrain) -> Self {
         self.terrain = Some(terrain);
+        self
+    }
+
+    /// Data of a raster of the program; it is used only if the entry reads it.
+    pub fn raster(mut self, name: &str, raster: impl Into<Arc<Raster>>) -> Self {
+        self.rasters.push((name.to_string(), raster.into()));
         self
     }
 
@@ -238,11 +260,34 @@ impl<'a> SceneBuilder<'a> {
         Ok(self)
     }
 
+    /// Keeps a parameter changeable by [`Picture::set`]. What is not live is fixed when the picture is built.
+    pub fn live(mut self, name: &str) -> Self {
+        self.compile.live.push(name.to_string());
+        self
+    }
+
+    /// Calls `@bake` functions instead of reading what they were evaluated to.
+    pub fn no_bake(mut self) -> Self {
+        self.compile.no_bake = true;
+        self
+    }
+
     pub fn build(self) -> Result<Picture<'a>, Error> {
         let compiled = compile::compile(&self.program.0, &self.compile)?;
         let terrain = Arc::new(self.terrain.unwrap_or_else(Terrain::builtin));
         let scene = Scene::new(terrain, &self.options)?;
-        Ok(Picture { runtime: self.runtime, program: self.program, compiled, scene, kept: None })
+        let module = &self.program.0.module;
+        rasters::check_names(module, self.rasters.iter().map(|(name, _)| name.as_str()))?;
+        let data = |wanted: &str| self.rasters.iter().find(|(name, _)| name == wanted);
+        let scene = rasters::bind(module, &compiled, &scene, |name| Some(Ok(data(name)?.1.clone())))?;
+        Ok(Picture {
+            runtime: self.runtime,
+            program: self.program,
+            compiled,
+            scene,
+            kernels: None,
+            baked: None,
+        })
     }
 }
 
@@ -252,29 +297,63 @@ pub struct Picture<'a> {
     program: Program,
     compiled: Compiled,
     scene: Scene,
-    kept: Option<(Engine, Option<GpuTerrain>)>,
+    kernels: Option<Kernels>,
+    baked: Option<BakedScene>,
 }
 
 impl Picture<'_> {
+    /// Evaluates the entry of [`Runtime::map`] for every sample of the field.
+    pub fn map(&mut self) -> Result<Map, Error> {
+        if self.compiled.kind != EntryKind::Map {
+            return Err(Error::Request("a picture has no map; begin with `Runtime::map`".into()));
+        }
+        let terrain = self.scene.terrain().clone();
+        Ok(Map::new(self.evaluate(terrain.width, terrain.height)?, &terrain))
+    }
+
     /// Renders `width` x `height` pixels.
     pub fn render(&mut self, width: u32, height: u32) -> Result<Image, Error> {
+        if self.compiled.kind == EntryKind::Map {
+            return Err(Error::Request(
+                "a map has the size of its field; make it with `Picture::map`".into(),
+            ));
+        }
+        self.evaluate(width, height)
+    }
+
+    fn evaluate(&mut self, width: u32, height: u32) -> Result<Image, Error> {
         let options = SceneOptions { size: (width, height), ..*self.scene.options() };
         self.scene = self.scene.with_options(&options)?;
+        let (machine, config) = (&self.runtime.machine, &self.runtime.config);
         let job = Job { checked: &self.program.0, compiled: &self.compiled, scene: Some(&self.scene) };
-        let Machine::Gpu(gpu) = &self.runtime.machine else {
-            return Ok(job.render(&self.runtime.machine, (width, height), &self.runtime.config)?.0);
+        let gpu = match machine {
+            Machine::Gpu(gpu) => gpu,
+            Machine::Oracle(_) => return Ok(job.render(machine, (width, height), config)?.0),
+            Machine::Cpu => {
+                let baked = BakedScene::new(&job, &self.scene, config, self.baked.take())?;
+                let baked = self.baked.insert(baked);
+                return Ok(job.render_baked(baked, (width, height), config)?.0);
+            }
         };
         let components = self.compiled.result_words(&self.program.0.module);
-        let (engine, terrain) = match &mut self.kept {
-            Some(kept) => kept,
-            none => none.insert(job.kernels(gpu, &self.runtime.config, components)?),
+        let kernels = match &mut self.kernels {
+            Some(kept) => {
+                kept.update(&job, gpu, config)?;
+                kept
+            }
+            none => none.insert(Kernels::new(&job, gpu, config, components)?),
         };
-        if let Some(terrain) = terrain {
-            terrain.update(&gpu.queue, &self.scene);
-        }
-        let frame = engine.render(width, height, self.compiled.back.entry.0)?;
+        let frame = kernels.engine.render(width, height, self.compiled.back.entry.0)?;
         Image::new(width, height, components, frame.words)
             .map_err(|e| Error::Run(RunError::Internal(e.to_string())))
+    }
+
+    /// Another value of a live parameter for the pictures to come.
+    ///
+    /// # Errors
+    /// [`Error::Request`] if the parameter is not live, [`Error::Program`] if the value does not fit.
+    pub fn set(&mut self, name: &str, value: impl Into<Setting>) -> Result<(), Error> {
+        Ok(compile::set_live(&self.program.0, &mut self.compiled, name, &value.into().0)?)
     }
 
     /// Another camera, sun or exaggeration for the pictures to come.

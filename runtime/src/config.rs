@@ -76,6 +76,8 @@ pub struct Stats {
     pub suspended: u64,
     /// Making pipelines, within the total.
     pub compiling: Duration,
+    /// Evaluating baked functions before the first picture, not within the total.
+    pub baking: Duration,
     /// The whole run.
     pub total: Duration,
 }

@@ -2,10 +2,12 @@
 //!
 //! The pyramid is made level by level by `shaders/terrain/pyramid.wgsl` and equals [`crate::terrain::Pyramid`] bit for bit.
 
+use crate::gpu::Gpu;
 use crate::terrain::layout::SceneUniform;
 use crate::terrain::pyramid::{Level, levels};
-use crate::terrain::wgsl::{Format, pyramid_stage};
-use crate::terrain::{Scene, Terrain};
+use crate::terrain::raster::Texels;
+use crate::terrain::wgsl::{Format, Uses, pyramid_stage};
+use crate::terrain::{Layer, Scene, Terrain};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -17,11 +19,8 @@ const GROUPS: u32 = 32768;
 
 #[derive(Debug, thiserror::Error)]
 pub enum UploadError {
-    #[error(
-        "the field's samples take {needed} bytes, but this adapter binds at most {limit}; cut or reduce the field, or \
-         use --on cpu"
-    )]
-    TooLarge { needed: u64, limit: u64 },
+    #[error("{what} take {needed} bytes, but this adapter binds at most {limit}; {mend}, or use --on cpu")]
+    TooLarge { what: &'static str, mend: &'static str, needed: u64, limit: u64 },
 }
 
 /// Parameters of the pyramid stage; the layout is the shader's `PyramidStep`.
@@ -38,36 +37,65 @@ struct Step {
     first: u32,
 }
 
-/// Buffers of one field; the scene record changes with camera and sun, the others only with the field.
+/// Buffers of one field, of those that a program uses; the scene record changes with camera and sun, the others only
+/// with the field.
 #[derive(Debug)]
 pub struct GpuTerrain {
     field: Arc<Terrain>,
     scene: wgpu::Buffer,
-    samples: wgpu::Buffer,
-    bounds: wgpu::Buffer,
+    samples: Option<wgpu::Buffer>,
+    bounds: Option<wgpu::Buffer>,
+    rasters: Option<wgpu::Buffer>,
 }
 
 impl GpuTerrain {
-    /// Uploads the field and builds its pyramid.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<GpuTerrain, UploadError> {
-        let words = scene.sample_words();
-        let needed = 4 * words.len() as u64;
+    /// Uploads what is used of the scene and builds the field's pyramid.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        uses: Uses,
+    ) -> Result<GpuTerrain, UploadError> {
         let limit = device.limits().max_storage_buffer_binding_size.min(device.limits().max_buffer_size);
-        if needed > limit {
-            return Err(UploadError::TooLarge { needed, limit });
-        }
+        let fits = |what, mend, needed| match needed > limit {
+            true => Err(UploadError::TooLarge { what, mend, needed, limit }),
+            false => Ok(needed),
+        };
         let record = device.create_buffer_init(&BufferInitDescriptor {
             label: Some("terrain scene"),
             contents: bytemuck::bytes_of(scene.uniform()),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
-        let samples = device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("terrain samples"),
-            contents: bytemuck::cast_slice(&words),
-            usage: wgpu::BufferUsages::STORAGE,
-        });
-        let bounds = build_pyramid(device, queue, scene.terrain(), &samples);
-        Ok(GpuTerrain { field: scene.terrain().clone(), scene: record, samples, bounds })
+        let (mut samples, mut bounds, mut rasters) = (None, None, None);
+        if uses.samples || uses.bounds {
+            let words = scene.sample_words();
+            fits("the field's samples", "cut or reduce the field", 4 * words.len() as u64)?;
+            let buffer = device.create_buffer_init(&BufferInitDescriptor {
+                label: Some("terrain samples"),
+                contents: bytemuck::cast_slice(&words),
+                usage: wgpu::BufferUsages::STORAGE,
+            });
+            bounds = uses.bounds.then(|| build_pyramid(device, queue, scene.terrain(), &buffer));
+            samples = uses.samples.then_some(buffer);
+        }
+        if uses.rasters {
+            let mend = "reduce them, use --no-bake";
+            let size = fits("the rasters and bakes", mend, 4 * scene.layers().size())?.max(4);
+            rasters = Some(device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("terrain rasters"),
+                size,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        let terrain = GpuTerrain { field: scene.terrain().clone(), scene: record, samples, bounds, rasters };
+        if let Some(rasters) = &terrain.rasters {
+            queue.write_buffer(rasters, 0, bytemuck::cast_slice(&scene.layers().records()));
+            for (slot, layer) in scene.layers().iter() {
+                upload(queue, rasters, 4 * scene.layers().first(slot), layer);
+            }
+        }
+        Ok(terrain)
     }
 
     /// Takes another camera, sun or exaggeration of the same field; false if it is another field.
@@ -79,26 +107,60 @@ impl GpuTerrain {
         same
     }
 
-    /// Bytes on the device: scene record, samples, bounds.
-    pub fn bytes(&self) -> [u64; 3] {
-        [self.scene.size(), self.samples.size(), self.bounds.size()]
+    /// Fills a layer's texels from another buffer.
+    pub fn copy_layer(&self, gpu: &Gpu, from: &wgpu::Buffer, offset: u64, bytes: u64) {
+        let Some(rasters) = &self.rasters else { return };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(from, 0, rasters, offset, bytes);
+        gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Layout of bind group 1 with all three bindings.
-    pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    /// Bytes on the device: scene record, samples, bounds, rasters.
+    pub fn bytes(&self) -> [u64; 4] {
+        let size = |buffer: &Option<wgpu::Buffer>| buffer.as_ref().map_or(0, wgpu::Buffer::size);
+        [self.scene.size(), size(&self.samples), size(&self.bounds), size(&self.rasters)]
+    }
+
+    /// Layout of bind group 1 with the bindings that there are buffers for.
+    pub fn layout(&self, device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let read = wgpu::BufferBindingType::Storage { read_only: true };
-        let record = size_of::<SceneUniform>() as u64;
-        let entries =
-            [entry(0, wgpu::BufferBindingType::Uniform, record), entry(1, read, 4), entry(2, read, 4)];
+        let kind = |binding| match binding {
+            0 => entry(0, wgpu::BufferBindingType::Uniform, size_of::<SceneUniform>() as u64),
+            _ => entry(binding, read, 4),
+        };
+        let entries: Vec<_> = self.buffers().iter().map(|(binding, _)| kind(*binding)).collect();
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("terrain"),
             entries: &entries,
         })
     }
 
-    /// Bind group 1, for a layout made by [`GpuTerrain::layout`].
+    /// Bind group 1, for the layout of [`GpuTerrain::layout`].
     pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        bind(device, layout, "terrain", &[&self.scene, &self.samples, &self.bounds])
+        bind(device, layout, "terrain", &self.buffers())
+    }
+
+    /// Every buffer with its binding.
+    fn buffers(&self) -> Vec<(u32, &wgpu::Buffer)> {
+        let all = [Some(&self.scene), self.samples.as_ref(), self.bounds.as_ref(), self.rasters.as_ref()];
+        (0..).zip(all).filter_map(|(binding, buffer)| Some((binding, buffer?))).collect()
+    }
+}
+
+/// Writes a layer's texels, bytes four to a word.
+fn upload(queue: &wgpu::Queue, rasters: &wgpu::Buffer, offset: u64, layer: &Layer) {
+    match &layer.raster().texels {
+        Texels::Floats(data) => queue.write_buffer(rasters, offset, bytemuck::cast_slice(data)),
+        Texels::Bytes(data) => {
+            let whole = data.len() / 4 * 4;
+            queue.write_buffer(rasters, offset, &data[..whole]);
+            if whole < data.len() {
+                let mut last = [0; 4];
+                last[..data.len() - whole].copy_from_slice(&data[whole..]);
+                queue.write_buffer(rasters, offset + whole as u64, &last);
+            }
+        }
+        Texels::Reserved => {}
     }
 }
 
@@ -119,11 +181,14 @@ fn bind(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     label: &str,
-    buffers: &[&wgpu::Buffer],
+    buffers: &[(u32, &wgpu::Buffer)],
 ) -> wgpu::BindGroup {
-    let numbered = buffers.iter().zip(0..);
-    let entries: Vec<_> = numbered
-        .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+    let entries: Vec<_> = buffers
+        .iter()
+        .map(|(binding, buffer)| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: buffer.as_entire_binding(),
+        })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
@@ -182,7 +247,7 @@ fn build_pyramid(
             contents: bytemuck::bytes_of(&step),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        let group = bind(device, &layout, "pyramid", &[&step, samples, &bounds]);
+        let group = bind(device, &layout, "pyramid", &[(0, &step), (1, samples), (2, &bounds)]);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);

@@ -2,25 +2,29 @@
 //! two of them differ.
 //!
 //! A program's colours are display colours: PNG and JPEG take them as they are, clamped to [0, 1], with no tone mapping
-//! and no change of encoding. EXR and NPY keep the numbers.
+//! and no change of encoding. EXR, TIFF and NPY keep the numbers.
 
 mod compare;
 mod npy;
+mod tiff;
 mod write;
 
 pub use compare::{Difference, compare};
 pub use write::{Format, encode};
 
+use crate::terrain::geotags::GeoTags;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
-    #[error("cannot write {}: the ending names no picture format; use .png, .jpg, .exr or .npy", file.display())]
+    #[error("cannot write {}: the ending names no picture format; use .png, .jpg, .exr, .tif or .npy", file.display())]
     UnknownEnding { file: PathBuf },
     #[error("cannot write {}: {source}", file.display())]
     Unwritable { file: PathBuf, source: std::io::Error },
     #[error("cannot encode the picture: {0}")]
     Encoding(#[from] image::ImageError),
+    #[error("cannot encode the picture: {0}")]
+    Tiff(String),
     #[error("a picture of {width} x {height} pixels and {components} components does not have {len} numbers")]
     Shape { width: u32, height: u32, components: u32, len: usize },
 }
@@ -56,9 +60,15 @@ impl Image {
 
     /// Writes the picture in the format that the name's ending names.
     pub fn save(&self, file: impl AsRef<Path>) -> Result<(), ImageError> {
-        let file = file.as_ref();
-        let format = Format::of(file)?;
-        let bytes = encode(self, format)?;
+        self.save_with(file.as_ref(), None)
+    }
+
+    /// As [`Image::save`]; a TIFF gets these tags.
+    pub(crate) fn save_with(&self, file: &Path, tags: Option<&GeoTags>) -> Result<(), ImageError> {
+        let bytes = match Format::of(file)? {
+            Format::Tiff => tiff::encode(self, tags)?,
+            format => encode(self, format)?,
+        };
         std::fs::write(file, bytes).map_err(|source| ImageError::Unwritable { file: file.to_owned(), source })
     }
 }

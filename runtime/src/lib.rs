@@ -2,16 +2,20 @@
 //! program on any of them; [`api`] is the interface for Rust programs.
 
 pub mod api;
+pub mod bake;
 pub mod config;
 pub mod error;
 pub mod files;
 pub mod gpu;
 pub mod gpu_terrain;
 pub mod image;
+pub mod kernels;
 pub mod machine;
+pub mod map;
 pub mod memory;
 pub mod oracle;
 pub mod progress;
+pub mod rasters;
 pub mod terrain;
 pub mod twin;
 pub mod value;

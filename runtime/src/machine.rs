@@ -1,23 +1,27 @@
 //! One way to run a compiled program on any of the three machines: the GPU, its CPU twin, the oracle.
 
+use crate::bake::BakedScene;
 use crate::config::{Config, Stats};
 use crate::error::RunError;
 use crate::gpu::{self, Gpu, GpuError, GpuOptions};
-use crate::gpu_terrain::GpuTerrain;
 use crate::image::Image;
+use crate::kernels::Kernels;
+use crate::map::Map;
+use crate::memory::Memory;
 use crate::oracle::{self, OracleOptions};
-use crate::terrain::{Scene, wgsl};
+use crate::terrain::Scene;
 use crate::twin::Twin;
 use crate::value::Value;
 use crate::world::World;
 use ghyll_compiler::back::Back;
-use ghyll_compiler::compile::Compiled;
+use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::core::{Const, Scalar};
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::layout;
 use ghyll_compiler::stream;
 use ghyll_compiler::table::Token;
 use ghyll_compiler::typed::{self, Function, FunctionId, Type};
+use std::time::{Duration, Instant};
 
 /// Where programs are evaluated.
 pub enum Machine {
@@ -94,7 +98,7 @@ impl Job<'_> {
         let back = &self.compiled.back;
         let (words, stats) = match machine {
             Machine::Oracle(precision) => {
-                let started = std::time::Instant::now();
+                let started = Instant::now();
                 let value = oracle::evaluate(
                     module,
                     self.compiled.entry,
@@ -114,7 +118,8 @@ impl Job<'_> {
                 (outcome.words, gpu_stats(&outcome.stats))
             }
         };
-        Ok((Value::unflatten(&words, &self.compiled.result, module)?, stats))
+        let value = Value::unflatten(&words, &self.compiled.result, module)?;
+        Ok((value, self.looked_at(stats, Duration::ZERO)))
     }
 
     /// Picture of an image entry.
@@ -129,62 +134,88 @@ impl Job<'_> {
         let components = self.compiled.result_words(module);
         let (data, stats) = match machine {
             Machine::Oracle(precision) => {
-                let started = std::time::Instant::now();
+                let started = Instant::now();
                 let options = self.oracle_options(*precision, config);
-                let wide =
-                    oracle::render(module, self.compiled.entry, (width, height), &options, self.world())?;
+                let wide = self.oracle_picture((width, height), &options)?;
                 let data = wide.into_iter().map(|x| x as f32).collect();
                 (data, Stats { total: started.elapsed(), ..Stats::default() })
             }
             Machine::Cpu => {
-                let twin = self.twin(config)?;
-                twin.render((width, height), components, back.entry, config, self.world_of_code())?
+                let baked = self.bake(config)?;
+                let scene = baked.as_ref().map(|(baked, _)| baked.scene()).or(self.scene);
+                let (data, stats) = self.render_twin(scene, (width, height), config)?;
+                (data, self.looked_at(stats, baked.map_or(Duration::ZERO, |(_, time)| time)))
             }
             Machine::Gpu(gpu) => {
-                let mut engine = self.engine(gpu, config, components)?;
-                let frame = engine.render(width, height, back.entry.0)?;
-                (frame.words, gpu_stats(&frame.stats))
+                let started = Instant::now();
+                let mut kernels = Kernels::new(self, gpu, config, components)?;
+                let time = started.elapsed();
+                let frame = kernels.engine.render(width, height, back.entry.0)?;
+                (frame.words, self.looked_at(gpu_stats(&frame.stats), time))
             }
         };
-        let image =
-            Image::new(width, height, components, data).map_err(|e| RunError::Internal(e.to_string()))?;
-        Ok((image, stats))
+        Ok((self.image((width, height), data)?, stats))
     }
 
-    /// The program's kernels on a device, for repeated runs.
-    pub fn engine(&self, gpu: &Gpu, config: &Config, components: u32) -> Result<gpu::Engine, RunError> {
-        Ok(self.kernels(gpu, config, components)?.0)
+    /// Values of a map entry, one for each sample of the field.
+    pub fn map(&self, machine: &Machine, config: &Config) -> Result<(Map, Stats), RunError> {
+        let terrain = self
+            .scene
+            .map(Scene::terrain)
+            .ok_or_else(|| RunError::Unsupported("a map without a field".into()))?;
+        let (image, stats) = self.render(machine, (terrain.width, terrain.height), config)?;
+        Ok((Map::new(image, terrain), stats))
     }
 
-    /// As [`Job::engine`], with the field's buffers if the program looks at it.
-    pub fn kernels(
+    fn oracle_picture(&self, size: (u32, u32), options: &OracleOptions) -> Result<Vec<f64>, RunError> {
+        let (module, entry) = (&self.checked.module, self.compiled.entry);
+        let Some(scene) = self.scene.filter(|_| self.compiled.kind == EntryKind::Map) else {
+            return oracle::render(module, entry, size, options, self.world());
+        };
+        let spacing = scene.uniform().spacing.map(f64::from);
+        let position = |column: u32, row: u32| {
+            [f64::from(column) * spacing[0], f64::from(size.1 - 1 - row) * spacing[1]]
+        };
+        oracle::components(module, entry, size, &position, options, self.world())
+    }
+
+    /// As [`Job::render`] by the twin, with what has been baked before.
+    pub fn render_baked(
         &self,
-        gpu: &Gpu,
+        baked: &BakedScene,
+        size: (u32, u32),
         config: &Config,
-        components: u32,
-    ) -> Result<(gpu::Engine, Option<GpuTerrain>), RunError> {
-        let intrinsics = &self.compiled.back.wgsl.intrinsics;
-        let mut prelude = String::new();
-        let (mut bound, mut kept) = (None, None);
-        if let Some(scene) = self.scene.filter(|_| !intrinsics.is_empty()) {
-            let terrain = GpuTerrain::new(&gpu.device, &gpu.queue, scene)
-                .map_err(|e| RunError::Device(e.to_string()))?;
-            let layout = GpuTerrain::layout(&gpu.device);
-            let group = terrain.bind_group(&gpu.device, &layout);
-            let bytes = terrain.bytes().iter().sum();
-            prelude = wgsl::wgsl(intrinsics, wgsl::Format::of(scene.terrain())).text;
-            (bound, kept) = (Some(gpu::Scene { layout, group, bytes }), Some(terrain));
-        }
-        let mut engine =
-            gpu::Engine::with_components(gpu, self.code(prelude), config.clone(), bound, components)?;
-        engine.set_live(&self.live_words(config)?);
-        Ok((engine, kept))
+    ) -> Result<(Image, Stats), RunError> {
+        let (data, stats) = self.render_twin(Some(baked.scene()), size, config)?;
+        Ok((self.image(size, data)?, stats))
     }
 
-    /// What the engine runs, with the WGSL of the scene.
-    pub(crate) fn code(&self, prelude: String) -> gpu::Code {
-        let back = &self.compiled.back;
-        let entry = &self.checked.module.functions[self.compiled.entry.0 as usize].name;
+    fn render_twin(
+        &self,
+        scene: Option<&Scene>,
+        size: (u32, u32),
+        config: &Config,
+    ) -> Result<(Vec<f32>, Stats), RunError> {
+        let components = self.compiled.result_words(&self.checked.module);
+        // What the code does not look at takes no memory.
+        let scene = scene.filter(|_| !self.compiled.back.wgsl.intrinsics.is_empty());
+        let world = scene.map(|scene| scene as &dyn World);
+        self.twin(config)?.render(size, components, self.compiled.back.entry, config, world)
+    }
+
+    fn image(&self, (width, height): (u32, u32), data: Vec<f32>) -> Result<Image, RunError> {
+        let components = self.compiled.result_words(&self.checked.module);
+        Image::new(width, height, components, data).map_err(|e| RunError::Internal(e.to_string()))
+    }
+
+    /// The program's engine on a device, for repeated runs.
+    pub fn engine(&self, gpu: &Gpu, config: &Config, components: u32) -> Result<gpu::Engine, RunError> {
+        Ok(Kernels::new(self, gpu, config, components)?.engine)
+    }
+
+    /// What the engine runs for a compiled function, with the WGSL of the scene.
+    pub(crate) fn code(&self, function: FunctionId, back: &Back, prelude: String) -> gpu::Code {
+        let entry = &self.checked.module.functions[function.0 as usize].name;
         let suspendable = back.has_long_loops.then(|| {
             let (back, entry) = (back.clone(), entry.clone());
             gpu::Suspendable::new(move || code(&back.with_loops_as_tasks(), &entry))
@@ -219,6 +250,26 @@ impl Job<'_> {
             constants.extend(scalars.iter().zip(words).map(|(s, w)| Const::from_word(*s, w)));
         }
         Ok(constants)
+    }
+
+    /// The scene with what the twin bakes for it, and how long that took.
+    fn bake(&self, config: &Config) -> Result<Option<(BakedScene, Duration)>, RunError> {
+        let Some(scene) = self.scene.filter(|_| !self.compiled.bakes.is_empty()) else { return Ok(None) };
+        let started = Instant::now();
+        let baked = BakedScene::new(self, scene, config, None)?;
+        Ok(Some((baked, started.elapsed())))
+    }
+
+    /// The figures with how long the bakes took, and what part of the scene is not the field.
+    fn looked_at(&self, stats: Stats, baking: Duration) -> Stats {
+        let Some(scene) = self.scene else { return stats };
+        let words = |slot: u32| scene.layers().get(slot).map_or(0, |layer| layer.raster().words());
+        let samples = u64::from(scene.terrain().width) * u64::from(scene.terrain().height);
+        let rasters = self.compiled.rasters.iter().map(|id| 4 * words(id.0)).sum();
+        let bakes = self.compiled.bakes.iter().map(|bake| 4 * samples * u64::from(bake.components)).sum();
+        let terrain = stats.memory.terrain.saturating_sub(rasters + bakes);
+        let memory = Memory { terrain, rasters, bakes, ..stats.memory };
+        Stats { baking: if bakes > 0 { baking } else { Duration::ZERO }, memory, ..stats }
     }
 
     fn twin(&self, config: &Config) -> Result<Twin, RunError> {

@@ -27,6 +27,9 @@ resources! {
     image "image";
     /// Heights and their pyramid.
     terrain "terrain";
+    rasters "rasters";
+    /// What baked functions were evaluated to.
+    bakes "bakes";
     /// Between the device and the program.
     readback "readback";
 }
@@ -89,8 +92,9 @@ mod tests {
 
     #[test]
     fn parts_add_up() {
-        let memory = Memory { stream: 1, records: 2, image: 4, terrain: 8, readback: 16 };
-        assert_eq!(memory.total(), 31);
+        let memory =
+            Memory { stream: 1, records: 2, image: 4, terrain: 8, rasters: 16, bakes: 32, readback: 64 };
+        assert_eq!(memory.total(), 127);
         assert_eq!(memory.parts().len(), Memory::NAMES.len());
         assert_eq!(Memory { image: 2048, ..Memory::default() }.to_string(), "image 2.0 KiB");
     }

@@ -7,10 +7,13 @@
 pub mod dem;
 mod exact;
 mod field;
+pub mod geotags;
 mod intrinsics;
+pub mod layers;
 pub mod layout;
 mod patch;
 pub mod pyramid;
+pub mod raster;
 mod ray;
 pub mod scene;
 mod surface;
@@ -22,6 +25,8 @@ pub mod wgsl;
 
 pub use dem::{DemError, DemOptions, Encoding, Voids};
 pub use field::{Georeference, Samples, Terrain, VOID_F32, VOID_I16};
+pub use layers::{Layer, Layers};
 pub use pyramid::Pyramid;
+pub use raster::Raster;
 pub use scene::{Scene, SceneError, SceneOptions, Sun};
 pub use view::{Camera, NAMED_FOV, NamedView, View};

@@ -15,7 +15,8 @@ use ghyll_runtime::error::RunError;
 use ghyll_runtime::gpu::{Gpu, GpuOptions};
 use ghyll_runtime::machine::{Job, Machine, evaluate_argument};
 use ghyll_runtime::oracle::Precision;
-use ghyll_runtime::terrain::{Scene, SceneOptions, Terrain, View};
+use ghyll_runtime::rasters::{self, BindError};
+use ghyll_runtime::terrain::{Raster, Scene, SceneOptions, Terrain, View};
 use ghyll_runtime::value::Value;
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -239,12 +240,17 @@ impl Ready {
             want: *kind,
             set: settings.set.clone(),
             live: settings.live.clone(),
+            no_bake: settings.no_bake,
         };
         let compiled = compile(&checked, &options).map_err(|error| match error {
             CompileError::Program(report) => Failure::Diagnostics(diagnostics(&report)),
             CompileError::Request(text) => Failure::Usage(text),
         })?;
-        Ok(Ready { checked, compiled, scene: scene(settings, *size)? })
+        let scene = match scene(settings, *size)? {
+            Some(scene) => Some(bind(&checked, &compiled, &scene, settings)?),
+            None => None,
+        };
+        Ok(Ready { checked, compiled, scene })
     }
 
     fn job(&self) -> Job<'_> {
@@ -281,6 +287,26 @@ impl Files for Modules<'_> {
         let found = self.0.iter().find(|(known, _)| known == name);
         found.map(|(_, text)| text.clone()).ok_or_else(|| "no such file".into())
     }
+}
+
+/// The scene with the rasters of the header.
+fn bind(
+    checked: &Checked,
+    compiled: &Compiled,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<Scene, Failure> {
+    let refused = |error: BindError| match error.is_usage() {
+        true => Failure::Usage(error.to_string()),
+        false => Failure::Input(error.to_string()),
+    };
+    let given = &settings.rasters;
+    rasters::check_names(&checked.module, given.iter().map(|r| r.name.as_str())).map_err(refused)?;
+    let open = |name: &str| {
+        let r = given.iter().find(|r| r.name == name)?;
+        Some(Raster::from_floats(r.width, r.height, r.components, r.numbers.clone()).map(Arc::new))
+    };
+    rasters::bind(&checked.module, compiled, scene, open).map_err(refused)
 }
 
 /// The height field of the header, seen from above.

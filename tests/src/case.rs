@@ -41,6 +41,8 @@ pub struct Settings {
     pub set: Vec<(String, String)>,
     pub live: Vec<String>,
     pub dem: Option<Dem>,
+    pub rasters: Vec<Raster>,
+    pub no_bake: bool,
     /// Seconds.
     pub timeout: Option<f64>,
     /// Bytes.
@@ -54,6 +56,16 @@ pub struct Dem {
     pub height: u32,
     pub spacing: (f64, f64),
     pub heights: Vec<f32>,
+}
+
+/// A data layer written in the header; rows from north to south, a texel's numbers side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    pub components: u32,
+    pub numbers: Vec<f32>,
 }
 
 /// An entry with its arguments in Ghyll syntax.

@@ -92,7 +92,7 @@ impl<'m> Lower<'m> {
         })
     }
 
-    fn intrinsic(&mut self, intrinsic: Intrinsic, args: &[Value<'m>], result: &Type) -> Value<'m> {
+    pub(super) fn intrinsic(&mut self, intrinsic: Intrinsic, args: &[Value<'m>], result: &Type) -> Value<'m> {
         let operands: Vec<Atom> = args.iter().flat_map(Value::components).collect();
         let words = self.emit(Op::Intrinsic(intrinsic, operands), intrinsic.results());
         self.unflatten(result, &mut words.into_iter())

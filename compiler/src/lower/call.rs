@@ -3,9 +3,8 @@
 use super::shape::Shape;
 use super::value::{Closure, Value};
 use super::words::dissect_any;
-use super::{Env, INLINE_DEPTH_LIMIT, Lower, unsupported};
-use crate::codes;
-use crate::core::Atom;
+use super::{Env, INLINE_DEPTH_LIMIT, Lower};
+use crate::core::{Atom, Const, Intrinsic};
 use crate::layout;
 use crate::source::Span;
 use crate::typed::{Expr, ExprKind, FunctionId, LocalId, Type};
@@ -101,20 +100,14 @@ impl<'m> Lower<'m> {
             _ => unreachable!("the front end checked the callee's type"),
         };
         match &**closure {
-            Closure::Function(id, types) => self.invoke(Callee::Function(*id, types.clone()), at),
+            Closure::Function(id, types) => match self.settings.baked.get(id) {
+                Some(slot) => self.layer(*slot, &at.args[0], at.result),
+                None => self.invoke(Callee::Function(*id, types.clone()), at),
+            },
             Closure::Builtin(builtin) => self.builtin(*builtin, at),
             Closure::Variant(tag) => Value::Variant(*tag, at.args),
             Closure::Struct => Value::Group(at.args),
-            Closure::Raster(id) => {
-                let name = &self.module.rasters[id.0 as usize].name;
-                self.error(unsupported(
-                    codes::RASTER,
-                    at.span,
-                    format!("rasters are not supported yet: `{name}`"),
-                    "use a parameter or a function of the position instead",
-                ));
-                self.placeholder(at.result)
-            }
+            Closure::Raster(id) => self.layer(id.0, &at.args[0], at.result),
             Closure::Lambda(_) => self.invoke(Callee::Value(callee.clone()), at),
         }
     }
@@ -144,6 +137,14 @@ impl<'m> Lower<'m> {
         };
         self.frames.pop();
         value
+    }
+
+    /// Reads a data layer at a position.
+    fn layer(&mut self, slot: u32, position: &Value<'m>, result: &Type) -> Value<'m> {
+        let components = layout::scalars(self.module, result).map_or(0, |s| s.len());
+        let intrinsic = Intrinsic::raster(components).expect("a layer holds 1 to 4 floats");
+        let slot = Value::constant(Const::U32(slot));
+        self.intrinsic(intrinsic, &[slot, position.clone()], result)
     }
 
     /// The body of a top-level function, here.

@@ -38,6 +38,17 @@ pub struct Settings {
     pub set: HashMap<ParamId, Setting>,
     /// Parameters that stay changeable without compiling again.
     pub live: Vec<ParamId>,
+    /// Functions that are read from layers, with their slots.
+    pub baked: BTreeMap<FunctionId, u32>,
+}
+
+/// How an entry is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// With its own parameters.
+    Plainly,
+    /// A function of a position, with the pixel position of a sample of the field.
+    ForSamples,
 }
 
 /// A parameter's value as a typed expression with its own locals.
@@ -53,11 +64,20 @@ const STATEMENT_LIMIT: usize = 400_000;
 const INLINE_DEPTH_LIMIT: usize = 64;
 
 /// Lowers what `entry` reaches.
-pub fn lower(module: &Module, entry: FunctionId, settings: &Settings) -> Result<Program, Vec<Diagnostic>> {
+pub fn lower(
+    module: &Module,
+    entry: FunctionId,
+    asked: Asked,
+    settings: &Settings,
+) -> Result<Program, Vec<Diagnostic>> {
     let mut yields = HashMap::new();
     let lower = loop {
         let mut lower = Lower::new(module, settings, yields);
-        lower.entry(entry)?;
+        lower.number_live()?;
+        match asked {
+            Asked::Plainly => lower.entry(entry)?,
+            Asked::ForSamples => lower.entry_for_samples(entry),
+        }
         lower.drain()?;
         if !lower.grown {
             break lower;
@@ -145,8 +165,8 @@ impl<'m> Lower<'m> {
         Err(std::mem::take(&mut self.errors))
     }
 
-    /// Queues the entry: its parameters are machine words.
-    fn entry(&mut self, entry: FunctionId) -> Result<(), Vec<Diagnostic>> {
+    /// Gives every live parameter its words.
+    fn number_live(&mut self) -> Result<(), Vec<Diagnostic>> {
         let mut word = 0;
         for id in &self.settings.live {
             self.live.insert(*id, word);
@@ -163,6 +183,11 @@ impl<'m> Lower<'m> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Queues the entry: its parameters are machine words.
+    fn entry(&mut self, entry: FunctionId) -> Result<(), Vec<Diagnostic>> {
         if let Some(misfit) = misfit(self.module, entry, EntryKind::Value) {
             return Err(vec![misfit]);
         }

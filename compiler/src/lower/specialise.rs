@@ -10,7 +10,7 @@ use super::value::Value;
 use super::words::{dissect_any, rebuild_any, shape};
 use super::{Builder, Lower};
 use crate::codes;
-use crate::core::{Atom, Block, FnId, Function, Mark, Op, Scalar, Var};
+use crate::core::{Atom, Block, FnId, Function, Intrinsic, Mark, Op, Scalar, Var};
 use crate::diagnostic::Diagnostic;
 use crate::layout;
 use crate::source::Span;
@@ -59,6 +59,30 @@ impl<'m> Lower<'m> {
         let scalars = self.word_scalars(&like, at.result);
         let words = self.emit(Op::Call(id, words), &scalars);
         self.rebuild(&like, at.result, &mut words.into_iter())
+    }
+
+    /// The entry as a function of the pixel position of a sample, whose place it finds and passes on.
+    pub(super) fn entry_for_samples(&mut self, entry: FunctionId) {
+        let definition = &self.module.functions[entry.0 as usize];
+        self.functions.push(None);
+        self.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
+        let params = [(); 2].map(|()| self.builder.fresh(Scalar::F32));
+        let pixel = params.map(Atom::Var).to_vec();
+        let place = self.emit(Op::Intrinsic(Intrinsic::Place, pixel), Intrinsic::Place.results());
+        let (args, types) = (vec![Value::vector(place)], [Type::Vec(2)]);
+        let at = Application { args, params: &types, result: &definition.result, span: definition.span };
+        let value = self.call_specialised(&Callee::Function(entry, Vec::new()), &at);
+        let results = value.components();
+        let stmts = self.builder.open.pop().expect("the block just opened");
+        self.functions[0] = Some(Function {
+            name: self.unique(&format!("{}_of_samples", definition.name)),
+            params: params.to_vec(),
+            results: results.iter().map(|a| self.scalar_of(*a)).collect(),
+            vars: std::mem::take(&mut self.builder.vars),
+            body: Block { stmts, results },
+            mark: Mark::Auto,
+            span: Some(definition.span),
+        });
     }
 
     /// The specialisation and the words to call it with.

@@ -112,7 +112,8 @@ fn every_intrinsic_and_live_word_is_valid() {
         let dst: Vec<_> =
             intrinsic.results().iter().enumerate().map(|(i, s)| format!("r{i}: {}", s.name())).collect();
         let names: Vec<_> = (0..dst.len()).map(|i| format!("r{i}")).collect();
-        let args = vec!["x"; intrinsic.params().len()].join(", ");
+        let arg = |s: &Scalar| if *s == Scalar::U32 { "3u" } else { "x" };
+        let args = intrinsic.params().iter().map(arg).collect::<Vec<_>>().join(", ");
         let kinds: Vec<_> = intrinsic.results().iter().map(|s| s.name()).collect();
         let wgsl = written(&format!(
             "live a: (bool) live b: (f32) entry f

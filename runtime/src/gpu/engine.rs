@@ -16,6 +16,7 @@ use crate::error::RunError;
 use crate::memory::Memory;
 
 /// Bind group 1 of the program's functions.
+#[derive(Clone)]
 pub struct Scene {
     pub layout: wgpu::BindGroupLayout,
     pub group: wgpu::BindGroup,

@@ -2,8 +2,8 @@
 //! tests say so and check nothing.
 
 use super::*;
-use crate::terrain::SceneOptions;
 use crate::terrain::wgsl::wgsl;
+use crate::terrain::{Layers, Raster, SceneOptions};
 use ghyll_compiler::core::Scalar;
 use ghyll_compiler::intrinsics::Intrinsic;
 
@@ -34,8 +34,38 @@ fn read(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Ve
     bytemuck::cast_slice(&mapped).to_vec()
 }
 
+const PYRAMID: Uses = Uses { scene: true, samples: false, bounds: true, rasters: false };
+
 fn scene(terrain: Terrain) -> Scene {
     Scene::new(Arc::new(terrain), &SceneOptions::default()).unwrap()
+}
+
+/// Layers of 1 to 4 components, floats and bytes, other sizes than the field's; slot 2 is empty.
+fn layered(scene: &Scene) -> Scene {
+    let number = |i: usize| ((i * 7919) % 1001) as f32 / 100.0 - 5.0;
+    let mut layers = Layers::default();
+    for (slot, components, width, height) in [(0, 1, 7, 5), (1, 2, 1, 9), (3, 3, 12, 4), (4, 4, 33, 21)] {
+        let count = (width * height * components) as usize;
+        let texels = match slot % 2 {
+            0 => Texels::Floats((0..count).map(number).collect()),
+            _ => Texels::Bytes((0..count).map(|i| (i * 37) as u8).collect()),
+        };
+        let raster = Raster::computed(width, height, components, texels);
+        layers.set(slot, Layer::placed(Arc::new(raster), scene.terrain()).unwrap());
+    }
+    scene.with_layers(layers)
+}
+
+#[test]
+fn only_what_is_used_is_uploaded() {
+    let Some((device, queue)) = device() else { return };
+    let scene = layered(&scene(random_field(9, 9)));
+    let bytes = |uses| GpuTerrain::new(&device, &queue, &scene, uses).unwrap().bytes();
+    let none = bytes(Uses { scene: true, ..Uses::default() });
+    assert_eq!(none[1..], [0, 0, 0]);
+    let all = bytes(Uses { scene: true, samples: true, bounds: true, rasters: true });
+    assert_eq!((all[1], all[3]), (9 * 9 * 4, 4 * scene.layers().size()));
+    assert!(all[2] > 0);
 }
 
 fn random_field(width: u32, height: u32) -> Terrain {
@@ -55,9 +85,9 @@ fn the_pyramid_equals_its_twin() {
     fields.extend([(2, 2), (3, 2), (2, 70), (65, 33), (100, 101)].map(|(w, h)| random_field(w, h)));
     for terrain in fields {
         let scene = scene(terrain);
-        let gpu = GpuTerrain::new(&device, &queue, &scene).unwrap();
+        let gpu = GpuTerrain::new(&device, &queue, &scene, PYRAMID).unwrap();
         let expected = scene.bound_words();
-        let found = read(&device, &queue, &gpu.bounds);
+        let found = read(&device, &queue, gpu.bounds.as_ref().unwrap());
         if scene.pyramid().top() > 0 {
             // Padding nodes are not written.
             let differ = same_bounds(&scene, &expected, &found);
@@ -83,8 +113,11 @@ fn same_bounds(scene: &Scene, expected: &[u32], found: &[u32]) -> Vec<u32> {
 fn kernel(intrinsic: Intrinsic, format: Format) -> String {
     let params = intrinsic.params().len();
     let results = intrinsic.results();
-    let args: Vec<String> =
-        (0..params).map(|i| format!("bitcast<f32>(args[at * {params}u + {i}u])")).collect();
+    let arg = |(i, scalar): (usize, &Scalar)| match scalar {
+        Scalar::F32 => format!("bitcast<f32>(args[at * {params}u + {i}u])"),
+        _ => format!("args[at * {params}u + {i}u]"),
+    };
+    let args: Vec<String> = intrinsic.params().iter().enumerate().map(arg).collect();
     let field = |i: usize| match results.len() {
         1 => String::new(),
         _ if ghyll_compiler::intrinsics::returns_struct(intrinsic) => format!(".r{i}"),
@@ -117,13 +150,14 @@ fn evaluate(
     args: &[u32],
     count: u32,
 ) -> Vec<u32> {
-    let gpu = GpuTerrain::new(device, queue, scene).unwrap();
+    let uses = wgsl(&[intrinsic], Format::of(scene.terrain())).uses;
+    let gpu = GpuTerrain::new(device, queue, scene, uses).unwrap();
     let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: None,
         entries: &[entry(0, storage(true), 4), entry(1, storage(false), 4)],
     });
-    let terrain = GpuTerrain::layout(device);
+    let terrain = gpu.layout(device);
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(intrinsic.name()),
         source: wgpu::ShaderSource::Wgsl(kernel(intrinsic, Format::of(scene.terrain())).into()),
@@ -155,7 +189,7 @@ fn evaluate(
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &bind(device, &layout, "values", &[&args, &results]), &[]);
+    pass.set_bind_group(0, &bind(device, &layout, "values", &[(0, &args), (1, &results)]), &[]);
     pass.set_bind_group(1, &gpu.bind_group(device, &terrain), &[]);
     pass.dispatch_workgroups(count / 64, 1, 1);
     drop(pass);
@@ -172,9 +206,16 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
     };
     let [w, h] = scene.terrain().extent().map(|e| e as f32);
     let (lo, hi) = (scene.terrain().min as f32, scene.terrain().max as f32);
+    let components = intrinsic.results().len() as u32;
     let mut args = Vec::new();
     for _ in 0..count {
         match intrinsic.params().len() {
+            3 => {
+                let slot = scene.layers().iter().find(|(_, l)| l.raster().components == components);
+                let around = |unit: f32, size: f32| (unit * 1.2 - 0.1) * size;
+                let slot = f32::from_bits(slot.unwrap().0);
+                args.extend([slot, around(unit(), w), around(unit(), h)]);
+            }
             2 => args.extend([unit() * w, unit() * h]),
             8 => {
                 let from =
@@ -196,7 +237,7 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
 fn intrinsics_agree_with_their_twins() {
     let Some((device, queue)) = device() else { return };
     const COUNT: u32 = 4096;
-    for scene in [scene(Terrain::builtin()), scene(random_field(60, 45))] {
+    for scene in [scene(Terrain::builtin()), scene(random_field(60, 45))].map(|s| layered(&s)) {
         for &intrinsic in Intrinsic::ALL {
             let args = arguments(&scene, intrinsic, COUNT);
             let found = evaluate(&device, &queue, &scene, intrinsic, &args, COUNT);

@@ -1,6 +1,6 @@
 //! Encoders of the picture formats.
 
-use super::{Image, ImageError, npy};
+use super::{Image, ImageError, npy, tiff};
 use image::{ExtendedColorType, ImageEncoder, codecs};
 use std::io::Cursor;
 use std::path::Path;
@@ -10,6 +10,7 @@ pub enum Format {
     Png,
     Jpeg,
     Exr,
+    Tiff,
     Npy,
 }
 
@@ -18,6 +19,8 @@ const ENDINGS: &[(&str, Format)] = &[
     ("jpg", Format::Jpeg),
     ("jpeg", Format::Jpeg),
     ("exr", Format::Exr),
+    ("tif", Format::Tiff),
+    ("tiff", Format::Tiff),
     ("npy", Format::Npy),
 ];
 
@@ -35,11 +38,13 @@ impl Format {
 /// The file's bytes.
 pub fn encode(image: &Image, format: Format) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (image.width, image.height);
-    let filled = (image.components == 2 && format != Format::Npy).then(|| with_blue(image));
+    let filled =
+        (image.components == 2 && !matches!(format, Format::Npy | Format::Tiff)).then(|| with_blue(image));
     let image = filled.as_ref().unwrap_or(image);
     let mut bytes = Vec::new();
     match format {
         Format::Npy => bytes = npy::encode(image),
+        Format::Tiff => bytes = tiff::encode(image, None)?,
         Format::Png => {
             let color = match image.components {
                 1 => ExtendedColorType::L8,

@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use ghyll_compiler::builtins::Builtin;
-use ghyll_compiler::typed::{ConstId, Expr, Module, ParamId, RasterId};
+use ghyll_compiler::typed::{ConstId, Expr, Module, ParamId};
 
 use super::datum::{Callable, Datum, Frame};
 use super::float::Precision;
@@ -149,7 +149,7 @@ impl<'m> Evaluator<'m> {
         match f {
             Callable::Builtin(b) => self.builtin(*b, &args),
             Callable::Variant(tag) => Ok(Datum::Variant(*tag, args.into())),
-            Callable::Raster(id) => Err(self.unbound_raster(*id)),
+            Callable::Raster(id) => terrain::raster(self, *id, &args),
             Callable::Derivative(f) => self.derivative(f, &args),
             Callable::Struct | Callable::Function(..) | Callable::Lambda(_) => Ok(Datum::Fields(args.into())),
         }
@@ -160,11 +160,6 @@ impl<'m> Evaluator<'m> {
             Some(value) => Ok(value),
             None => terrain::apply(self, b, args),
         }
-    }
-
-    fn unbound_raster(&self, id: RasterId) -> RunError {
-        let name = &self.module.rasters[id.0 as usize].name;
-        RunError::Unsupported(format!("reading the raster `{name}` in the oracle"))
     }
 
     #[inline(never)]

@@ -147,7 +147,19 @@ pub fn render(
     world: Option<&dyn World>,
 ) -> Result<Vec<f64>, RunError> {
     let centre = |column: u32, row: u32| [column as f64 + 0.5, row as f64 + 0.5];
-    let values = grid(module, entry, (width, height), &centre, options, world)?;
+    components(module, entry, (width, height), &centre, options, world)
+}
+
+/// The numbers of a `fn(vec2) -> T` at every point of a grid, those of a point side by side.
+pub fn components(
+    module: &Module,
+    entry: FunctionId,
+    (width, height): (u32, u32),
+    position: &(dyn Fn(u32, u32) -> [f64; 2] + Sync),
+    options: &OracleOptions,
+    world: Option<&dyn World>,
+) -> Result<Vec<f64>, RunError> {
+    let values = grid(module, entry, (width, height), position, options, world)?;
     let mut image = Vec::with_capacity(values.len());
     for value in values {
         match value {

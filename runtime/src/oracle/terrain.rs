@@ -2,7 +2,8 @@
 
 use ghyll_compiler::builtins::Builtin;
 use ghyll_compiler::core::{Intrinsic, Scalar};
-use ghyll_compiler::typed::{Expr, ExprKind, LocalId};
+use ghyll_compiler::layout;
+use ghyll_compiler::typed::{Expr, ExprKind, LocalId, RasterId};
 
 use super::datum::{Callable, Datum, Frame};
 use super::evaluator::Evaluator;
@@ -68,6 +69,16 @@ pub fn gradient_of<'m>(
     Ok(Some(Datum::vec(&values)))
 }
 
+/// A data layer at a position.
+pub fn raster<'m>(oracle: &Evaluator<'m>, id: RasterId, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
+    let definition = &oracle.module.rasters[id.0 as usize];
+    let components = layout::scalars(oracle.module, &definition.ty).map_or(0, |s| s.len());
+    let intrinsic = Intrinsic::raster(components)
+        .ok_or_else(|| RunError::Internal(format!("the raster `{}` has no numbers", definition.name)))?;
+    let values = ask(oracle, intrinsic, &[&[Datum::F32(f64::from(id.0))], args].concat())?;
+    Ok(if let [one] = values[..] { Datum::F32(one) } else { Datum::vec(&values) })
+}
+
 /// Results of an intrinsic for arguments laid out one after the other.
 fn ask<'m>(oracle: &Evaluator<'m>, intrinsic: Intrinsic, args: &[Datum<'m>]) -> Result<Vec<f64>, RunError> {
     let world = oracle.world.ok_or_else(|| {
@@ -81,7 +92,11 @@ fn ask<'m>(oracle: &Evaluator<'m>, intrinsic: Intrinsic, args: &[Datum<'m>]) -> 
     match oracle.precision {
         Precision::F64 => world.eval_f64(intrinsic, &operands, &mut results),
         Precision::F32 => {
-            let words: Vec<u32> = operands.iter().map(|x| (*x as f32).to_bits()).collect();
+            let word = |(x, scalar): (&f64, &Scalar)| match scalar {
+                Scalar::U32 => *x as u32,
+                _ => (*x as f32).to_bits(),
+            };
+            let words: Vec<u32> = operands.iter().zip(intrinsic.params()).map(word).collect();
             let mut out = vec![0; results.len()];
             world.eval_f32(intrinsic, &words, &mut out);
             for ((to, word), scalar) in results.iter_mut().zip(out).zip(intrinsic.results()) {

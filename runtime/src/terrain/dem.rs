@@ -4,10 +4,10 @@
 mod bil;
 mod error;
 mod geo;
-mod geotiff;
+pub(in crate::terrain) mod geotiff;
 mod grid;
 mod hgt;
-mod npy;
+pub(in crate::terrain) mod npy;
 mod pgm;
 mod png;
 mod raw;
@@ -15,6 +15,7 @@ mod text;
 mod zip;
 
 pub use error::DemError;
+pub(in crate::terrain) use grid::Values;
 
 use super::field::Terrain;
 use std::io::Read;
@@ -96,21 +97,21 @@ const ENDINGS: &[(&str, Reader)] = &[
 const GZIP: &[u8] = &[0x1f, 0x8b];
 
 pub(super) fn open(path: &Path, options: &DemOptions) -> Result<Terrain, DemError> {
+    read(&path.display().to_string(), &bytes_of(path)?, options)
+}
+
+/// A file's content, unless it is too large to be one of ours.
+pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>, DemError> {
     let file = path.display().to_string();
     let unreadable = |source| DemError::Unreadable { file: file.clone(), source };
     let about = std::fs::metadata(path).map_err(unreadable)?;
     if !about.is_file() {
-        return Err(DemError::unsupported(
-            &file,
-            "it is not a regular file",
-            "give a file of elevation data",
-        ));
+        return Err(DemError::unsupported(&file, "it is not a regular file", "name a file of data"));
     }
     if about.len() > MAX_FILE {
         return Err(DemError::TooLarge { file, what: format!("it has {} bytes", about.len()) });
     }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
-    read(&file, &bytes, options)
+    std::fs::read(path).map_err(unreadable)
 }
 
 /// Reads a DEM from memory; `file` names it in messages, and its ending and base name count as a file's.
@@ -180,6 +181,14 @@ pub(super) fn check_shape(file: &str, width: u64, height: u64) -> Result<(), Dem
         let what = format!("it has {width} x {height} samples");
         return Err(DemError::unsupported(file, what, "a surface needs at least 2 x 2 samples"));
     }
+    check_size(file, width, height)
+}
+
+/// Anything has to be there, and to fit in memory.
+pub(super) fn check_size(file: &str, width: u64, height: u64) -> Result<(), DemError> {
+    if width == 0 || height == 0 {
+        return Err(DemError::truncated(file, format!("it has {width} x {height} samples")));
+    }
     if width > 1 << 17 || height > 1 << 17 || width * height > MAX_SAMPLES {
         let what = format!("it has {width} x {height} samples");
         return Err(DemError::TooLarge { file: file.to_owned(), what });
@@ -199,6 +208,18 @@ pub(super) fn check_spacing(file: &str, spacing: [f64; 2]) -> Result<(), DemErro
 /// Checks a declared shape against the bytes that have to hold it.
 fn check_claim(file: &str, shape: (u64, u64), sample: u64, held: u64, packed: bool) -> Result<(), DemError> {
     check_shape(file, shape.0, shape.1)?;
+    check_held(file, shape, sample, held, packed)
+}
+
+/// As [`check_claim`], for data that need not make a surface.
+pub(super) fn check_held(
+    file: &str,
+    shape: (u64, u64),
+    sample: u64,
+    held: u64,
+    packed: bool,
+) -> Result<(), DemError> {
+    check_size(file, shape.0, shape.1)?;
     let needed = shape.0 * shape.1 * sample;
     let most = if packed { held.saturating_mul(MAX_RATIO) } else { held };
     if needed > most {

@@ -1,6 +1,7 @@
 //! A height field in memory.
 
 use super::dem::{self, DemError, DemOptions};
+use super::geotags::GeoKeys;
 use std::path::Path;
 
 /// The raw value of a missing 16-bit sample; below every valid one.
@@ -47,6 +48,18 @@ pub struct Georeference {
     pub north_west: [f64; 2],
     /// Distance of samples eastwards and southwards in the reference system, both positive.
     pub step: [f64; 2],
+    /// The reference system as a GeoTIFF describes it.
+    pub keys: Option<GeoKeys>,
+}
+
+impl std::fmt::Display for Georeference {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.epsg {
+            Some(code) => write!(f, "EPSG:{code}"),
+            None if self.geographic => f.write_str("an unnamed geographic system"),
+            None => f.write_str("an unnamed projected system"),
+        }
+    }
 }
 
 /// A height field of at least 2 x 2 samples.
@@ -68,6 +81,8 @@ pub struct Terrain {
     pub min: f64,
     pub max: f64,
     pub crs: Option<Georeference>,
+    /// The number that stands for a missing sample in the file, if it names one.
+    pub nodata: Option<f64>,
     /// What the data was read from, such as `GeoTIFF int16`.
     pub format: String,
 }
@@ -155,6 +170,7 @@ impl Terrain {
             scale,
             offset,
             crs,
+            nodata: None,
             format: format.into(),
         })
     }

@@ -22,7 +22,7 @@ impl World for Scene {
             Bounds::I16(data) => size_of_val(data.as_slice()),
             Bounds::F32(data) => size_of_val(data.as_slice()),
         };
-        (samples + bounds) as u64
+        (samples + bounds) as u64 + 4 * self.layers().size()
     }
 
     fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
@@ -38,6 +38,10 @@ impl Scene {
     /// Evaluates one intrinsic in single precision, with the shaders' arithmetic. Words as in the stream: floats by
     /// their bits, booleans 0 or 1. `args` and `out` are as long as the intrinsic has parameters and results.
     pub fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
+        if intrinsic.is_raster() {
+            let [x, y] = [args[1], args[2]].map(f32::from_bits);
+            return self.layers().sample_f32(args[0], x, y, out);
+        }
         let scene = self.uniform();
         match (&self.terrain().samples, &self.pyramid().bounds) {
             (Samples::I16(samples), Bounds::I16(bounds)) => {
@@ -89,6 +93,13 @@ impl Scene {
             Intrinsic::PixelWidth => give(out, &self.camera().pixel_width()),
             Intrinsic::SunDir => give(out, &self.options().sun.dir()),
             Intrinsic::SunColor => give(out, &self.options().sun.color()),
+            Intrinsic::Place => {
+                let [column, row] = [args[0].floor(), f64::from(uniform.size[1] - 1) - args[1].floor()];
+                give(out, &[column * f64::from(uniform.spacing[0]), row * f64::from(uniform.spacing[1])]);
+            }
+            Intrinsic::Raster1 | Intrinsic::Raster2 | Intrinsic::Raster3 | Intrinsic::Raster4 => {
+                self.layers().sample_f64(args[0] as u32, args[1], args[2], out);
+            }
         }
     }
 }
@@ -143,6 +154,14 @@ fn evaluate<H: Heights>(
         Intrinsic::PixelWidth => floats(out, &scene.pixel_width),
         Intrinsic::SunDir => floats(out, &scene.sun_dir),
         Intrinsic::SunColor => floats(out, &scene.sun_color),
+        // Twin of `shaders/terrain/place.wgsl`.
+        Intrinsic::Place => {
+            let [column, row] = [arg(0).floor(), (scene.size[1] - 1) as f32 - arg(1).floor()];
+            floats(out, &[column * scene.spacing[0], row * scene.spacing[1]]);
+        }
+        Intrinsic::Raster1 | Intrinsic::Raster2 | Intrinsic::Raster3 | Intrinsic::Raster4 => {
+            unreachable!("layers need no heights")
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a program sees of the world: one field, its pyramid, a camera and the sun.
 
 use super::field::{Samples, Terrain};
+use super::layers::Layers;
 use super::layout::SceneUniform;
 use super::pyramid::{Bounds, MAX_LEVELS, Pyramid};
 use super::view::{Camera, View};
@@ -76,22 +77,29 @@ pub struct Scene {
     options: SceneOptions,
     camera: Camera,
     uniform: SceneUniform,
+    layers: Arc<Layers>,
 }
 
 impl Scene {
     pub fn new(terrain: Arc<Terrain>, options: &SceneOptions) -> Result<Scene, SceneError> {
         let pyramid = Arc::new(Pyramid::new(&terrain));
-        Scene::assemble(terrain, pyramid, options)
+        Scene::assemble(terrain, pyramid, Arc::default(), options)
     }
 
     /// The same field seen otherwise; its pyramid is shared.
     pub fn with_options(&self, options: &SceneOptions) -> Result<Scene, SceneError> {
-        Scene::assemble(self.terrain.clone(), self.pyramid.clone(), options)
+        Scene::assemble(self.terrain.clone(), self.pyramid.clone(), self.layers.clone(), options)
+    }
+
+    /// The same scene with these data layers.
+    pub fn with_layers(&self, layers: Layers) -> Scene {
+        Scene { layers: Arc::new(layers), ..self.clone() }
     }
 
     fn assemble(
         terrain: Arc<Terrain>,
         pyramid: Arc<Pyramid>,
+        layers: Arc<Layers>,
         options: &SceneOptions,
     ) -> Result<Scene, SceneError> {
         if !(options.exaggerate > 0.0 && options.exaggerate.is_finite()) {
@@ -102,7 +110,7 @@ impl Scene {
         }
         let camera = Camera::new(&options.view, &terrain, options.exaggerate, options.size)?;
         let uniform = uniform(&terrain, &pyramid, &camera, options);
-        Ok(Scene { terrain, pyramid, options: *options, camera, uniform })
+        Ok(Scene { terrain, pyramid, options: *options, camera, uniform, layers })
     }
 
     pub fn terrain(&self) -> &Arc<Terrain> {
@@ -119,6 +127,10 @@ impl Scene {
 
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    pub fn layers(&self) -> &Layers {
+        &self.layers
     }
 
     /// The record that the shaders read.

@@ -75,18 +75,36 @@ const PIECES: &[Piece] = pieces! {
     "pixel_width" "pixel_width" ["scene"];
     "sun_dir" "sun_dir" ["scene"];
     "sun_color" "sun_color" ["scene"];
+    "place" "place" ["scene"];
+    "rasters" "rasters" [];
+    "raster_texel_1" "raster_texel_1" ["rasters"];
+    "raster_texel_2" "raster_texel_2" ["rasters"];
+    "raster_texel_3" "raster_texel_3" ["rasters"];
+    "raster_texel_4" "raster_texel_4" ["rasters"];
+    "raster_1" "raster" ["raster_texel_1"];
+    "raster_2" "raster" ["raster_texel_2"];
+    "raster_3" "raster" ["raster_texel_3"];
+    "raster_4" "raster" ["raster_texel_4"];
 };
 
-/// What of bind group 1 a shader text uses.
+/// Shader text with what it needs of bind group 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Module {
     pub text: String,
+    pub uses: Uses,
+}
+
+/// Bindings of group 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Uses {
     /// Binding 0, a uniform buffer: [`super::layout::SceneUniform`].
     pub scene: bool,
     /// Binding 1, read-only storage: [`super::Scene::sample_words`].
     pub samples: bool,
     /// Binding 2, read-only storage: [`super::Scene::bound_words`].
     pub bounds: bool,
+    /// Binding 3, read-only storage: [`super::Layers`].
+    pub rasters: bool,
 }
 
 /// Declarations of the given intrinsics and of all that they need, each once.
@@ -97,7 +115,8 @@ pub fn wgsl(intrinsics: &[Intrinsic], format: Format) -> Module {
         place(intrinsic.name(), format, &mut placed, &mut text);
     }
     let uses = |name: &str| placed.contains(&name);
-    Module { scene: uses("scene"), samples: uses("samples"), bounds: uses("bounds"), text }
+    let (scene, samples, bounds) = (uses("scene"), uses("samples"), uses("bounds"));
+    Module { uses: Uses { scene, samples, bounds, rasters: uses("rasters") }, text }
 }
 
 fn place(name: &str, format: Format, placed: &mut Vec<&'static str>, text: &mut String) {
@@ -154,7 +173,9 @@ mod tests {
                 let function = found.unwrap_or_else(|| panic!("no function {}", intrinsic.name())).1;
                 assert_eq!(function.arguments.len(), intrinsic.params().len(), "{}", intrinsic.name());
                 let result = function.result.as_ref().expect("an intrinsic has a result");
-                let name = module.types[result.ty].name.clone();
+                let of = &module.types[result.ty];
+                let is_struct = matches!(of.inner, naga::TypeInner::Struct { .. });
+                let name = of.name.clone().filter(|_| is_struct);
                 let expected = ghyll_compiler::intrinsics::returns_struct(*intrinsic);
                 assert_eq!(name, expected.then(|| format!("{}_result", intrinsic.name())));
             }
@@ -167,7 +188,7 @@ mod tests {
         for format in [Format::I16, Format::F32] {
             let module = wgsl(&twice, format);
             validate(&module.text);
-            assert!(module.scene && module.samples && module.bounds);
+            assert_eq!(module.uses, Uses { scene: true, samples: true, bounds: true, rasters: true });
             assert!(!module.text.contains("SURFACE"));
         }
     }
@@ -175,7 +196,7 @@ mod tests {
     #[test]
     fn what_is_not_reached_is_not_there() {
         let module = wgsl(&[Intrinsic::Camera], Format::I16);
-        assert!(module.scene && !module.samples && !module.bounds);
+        assert_eq!(module.uses, Uses { scene: true, ..Uses::default() });
         assert!(!module.text.contains("terrain_walk"));
         assert_eq!(wgsl(&[], Format::F32), Module::default());
     }

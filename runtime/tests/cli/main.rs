@@ -1,6 +1,9 @@
 //! The command line from outside: what is printed, what is written, how it ends.
 
+mod bakes;
 mod machine;
+mod maps;
 mod options;
 mod params;
+mod rasters;
 mod support;

@@ -2,7 +2,8 @@
 //! error: a misspelt expectation must never be skipped.
 
 use super::{
-    Call, Case, Dem, Diagnostic, Expectation, PictureTolerance, Pixel, Program, Render, Settings, Severity,
+    Call, Case, Dem, Diagnostic, Expectation, PictureTolerance, Pixel, Program, Raster, Render, Settings,
+    Severity,
 };
 use crate::mode::Mode;
 use crate::value::{Tolerance, Value};
@@ -156,6 +157,8 @@ fn header_line(case: &mut Case, word: &str, rest: &str) -> Read<()> {
         "memory" => settings.memory = Some(bytes(rest)?),
         "timeout" => settings.timeout = Some(number(rest)?),
         "dem" => settings.dem = Some(dem(rest)?),
+        "no-bake" => settings.no_bake = true,
+        "raster" => settings.rasters.push(raster(rest)?),
         "broken" => case.broken = Some(quoted(rest)?),
         "modes" => {
             for word in rest.split_whitespace() {
@@ -280,12 +283,28 @@ fn dem(rest: &str) -> Read<Dem> {
         Some((dx, dy)) => (number(dx)?, number(dy)?),
         None => (number(&spacing)?, number(&spacing)?),
     };
-    let heights: Vec<f32> =
-        heights.split_whitespace().map(|h| number(h).map(|h| h as f32)).collect::<Read<_>>()?;
-    if heights.len() as u64 != u64::from(width) * u64::from(height) {
-        return Err(format!("{width}x{height} samples are needed, {} are given", heights.len()));
-    }
+    let heights = numbers(&heights, u64::from(width) * u64::from(height))?;
     Ok(Dem { width, height, spacing: (dx, dy), heights })
+}
+
+/// `NAME WxHxN : numbers`, rows from north to south, N numbers for each texel.
+fn raster(rest: &str) -> Read<Raster> {
+    let (head, values) = pair(rest, ':')?;
+    let (name, shape) = split_word(&head);
+    let (size, components) = shape.rsplit_once('x').ok_or(format!("`{shape}` is no WxHxN"))?;
+    let (width, height) = size_of(size)?;
+    let components: u32 = components.parse().map_err(|_| format!("`{shape}` is no WxHxN"))?;
+    let numbers = numbers(&values, u64::from(width) * u64::from(height) * u64::from(components))?;
+    Ok(Raster { name: required("a name", name)?, width, height, components, numbers })
+}
+
+fn numbers(text: &str, needed: u64) -> Read<Vec<f32>> {
+    let found: Vec<f32> =
+        text.split_whitespace().map(|n| number(n).map(|n| n as f32)).collect::<Read<_>>()?;
+    match found.len() as u64 == needed {
+        true => Ok(found),
+        false => Err(format!("{needed} numbers are needed, {} are given", found.len())),
+    }
 }
 
 /// `64K`, `2M`.

@@ -322,7 +322,7 @@ pub fn survive(input: &Input) {
         );
     }
     for name in names {
-        let mut options = Options { entry: Some(name.to_owned()), want: None, set: vec![], live: vec![] };
+        let mut options = Options { entry: Some(name.to_owned()), ..Options::default() };
         request(&checked, &options);
         options.want = Some([EntryKind::Value, EntryKind::Image][random.below(2)]);
         for param in &module.params {

@@ -27,6 +27,9 @@ pub enum Command {
                             ghyll render my.ghyll --dem alps.tif --sun 315,30 -o alps.exr"
     )]
     Render(Box<Render>),
+    /// Evaluate a map entry (`fn map`) for every sample of the elevation data and write it with its georeference.
+    #[command(after_help = "Example:\n  ghyll map lang-examples/slope.ghyll --dem alps.tif -o slope.tif")]
+    Map(Box<Map>),
     /// Look for mistakes only, or explain one.
     #[command(after_help = "Examples:\n  ghyll check my.ghyll\n  ghyll check --explain E0301")]
     Check(Check),
@@ -65,7 +68,7 @@ pub enum Rewriter {
 /// The program and what is fixed in it.
 #[derive(Args)]
 pub struct Program {
-    /// Entry function instead of `main` or `pixel`.
+    /// Entry function instead of `main`, `pixel` or `map`.
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
     /// Value of a parameter, such as `detail=true`.
@@ -74,6 +77,9 @@ pub struct Program {
     /// Keep a parameter changeable without compiling again.
     #[arg(long = "live", value_name = "NAME")]
     pub live: Vec<String>,
+    /// Call `@bake` functions instead of reading what they were evaluated to.
+    #[arg(long)]
+    pub no_bake: bool,
     /// Diagnostics as JSON on standard output.
     #[arg(long)]
     pub json: bool,
@@ -160,6 +166,10 @@ pub struct Terrain {
     pub dem: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
+    /// Data of a raster that the program reads: GeoTIFF, PNG, JPEG, EXR, .npy or any elevation format. It is placed by
+    /// its georeference if both have one, else stretched over the field.
+    #[arg(long = "raster", value_name = "NAME=FILE")]
+    pub rasters: Vec<String>,
     /// Factor on all heights.
     #[arg(long, value_name = "K", default_value_t = 1.0, allow_hyphen_values = true)]
     pub exaggerate: f64,
@@ -175,7 +185,7 @@ pub struct Render {
     pub machine: Machine,
     #[command(flatten)]
     pub terrain: Terrain,
-    /// Picture to write: .png, .jpg, .exr or .npy; float results go to .exr and .npy unscaled.
+    /// Picture to write: .png, .jpg, .exr, .tif or .npy; float results go to .exr, .tif and .npy unscaled.
     #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
     pub output: PathBuf,
     /// Size in pixels.
@@ -203,6 +213,21 @@ pub struct Render {
     /// Direction of the sun in degrees: azimuth clockwise from north, elevation above the horizon.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = sun, allow_hyphen_values = true)]
     pub sun: Option<[f64; 2]>,
+}
+
+#[derive(Args)]
+pub struct Map {
+    /// Program.
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub program: Program,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[command(flatten)]
+    pub terrain: Terrain,
+    /// File to write: .tif keeps the georeference; .npy, .exr, .png and .jpg do not.
+    #[arg(short, long, value_name = "FILE", default_value = "map.tif")]
+    pub output: PathBuf,
 }
 
 #[derive(Args)]

@@ -16,6 +16,7 @@ fn main() -> ExitCode {
     let outcome = match &arguments.command {
         Command::Run(a) => commands::run::run(a),
         Command::Render(a) => commands::render::render(a),
+        Command::Map(a) => commands::map::map(a),
         Command::Check(a) => commands::check::check(a),
         Command::Build(a) => commands::build::build(a),
         Command::Trace(a) => commands::trace::trace(a),

@@ -40,6 +40,7 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
                 "machine": machine.describe(),
                 "seconds": seconds(stats.total),
                 "compiling_seconds": seconds(stats.compiling),
+                "baking_seconds": seconds(stats.baking),
                 "rounds": (!stats.direct).then_some(stats.rounds),
                 "rewrites": (!stats.direct).then_some(stats.rewrites),
                 "tokens_moved": stats.tokens_moved,
@@ -54,6 +55,9 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
             eprintln!("machine      {}", machine.describe());
             eprintln!("time         {:.3} s", seconds(stats.total));
             eprintln!("  compiling  {:.3} s", seconds(stats.compiling));
+            if stats.memory.bakes > 0 {
+                eprintln!("  baking     {:.3} s, before the rest", seconds(stats.baking));
+            }
             let counted = |count: u64| match stats.direct {
                 true => "none: one invocation a pixel, no stream".into(),
                 false => count.to_string(),

@@ -39,7 +39,7 @@ fn kernels(path: &Path) -> Vec<(String, String)> {
     let mut found = Vec::new();
     for format in [Format::I16, Format::F32] {
         let prelude = wgsl(&compiled.back.wgsl.intrinsics, format).text;
-        let code = job.code(prelude.clone());
+        let code = job.code(compiled.entry, &compiled.back, prelude.clone());
         let lifted = code.suspendable.iter().map(|s| Code { prelude: prelude.clone(), ..s.code() });
         for code in lifted.chain([code.clone()]) {
             for software in [false, true] {

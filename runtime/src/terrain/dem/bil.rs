@@ -65,6 +65,7 @@ fn parse(file: &str, bytes: &[u8], header: &str, options: &DemOptions) -> Result
         geographic: step[0] < 0.1 && west.abs() <= 360.0 && north.abs() <= 90.0,
         north_west: [west, north],
         step,
+        keys: None,
     });
     let spacing = options.spacing.unwrap_or_else(|| match &place {
         Some(place) if place.geographic => {

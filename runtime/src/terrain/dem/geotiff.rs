@@ -3,8 +3,11 @@
 
 use super::geo::metres_per_degree;
 use super::grid::{Grid, Values};
-use super::{DemError, DemOptions, check_claim};
+use super::{DemError, DemOptions, check_held};
 use crate::terrain::field::{Georeference, Terrain};
+use crate::terrain::geotags::{
+    GEOGRAPHIC_CRS, GeoKeys, MODEL_TYPE, PIXEL_IS_POINT, PROJECTED_CRS, RASTER_TYPE,
+};
 use std::io::Cursor;
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
@@ -12,11 +15,6 @@ use tiff::tags::Tag;
 
 const GDAL_NODATA: Tag = Tag::Unknown(42113);
 
-/// Keys of the GeoKey directory.
-const MODEL_TYPE: u16 = 1024;
-const RASTER_TYPE: u16 = 1025;
-const GEOGRAPHIC_CRS: u16 = 2048;
-const PROJECTED_CRS: u16 = 3072;
 const LINEAR_UNITS: u16 = 3076;
 
 /// Metres in the linear units that occur, by EPSG code.
@@ -24,42 +22,34 @@ const UNITS: &[(u16, f64)] = &[(9001, 1.0), (9002, 0.3048), (9003, 1200.0 / 3937
 
 type Tiff<'a> = Decoder<Cursor<&'a [u8]>>;
 
-pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
-    let bad = |e: tiff::TiffError| explain(file, e);
-    let mut tiff = Decoder::new(Cursor::new(bytes)).map_err(bad)?;
-    let (width, height) = tiff.dimensions().map_err(bad)?;
-    let bits = match tiff.colortype().map_err(bad)? {
-        ColorType::Gray(bits) => bits,
-        other => {
-            let what = format!("its pixels are {other:?}, not one number each");
-            return Err(DemError::unsupported(file, what, "give a single-band GeoTIFF of heights"));
-        }
-    };
-    let sample = u64::from(bits).div_ceil(8);
-    let packed = tiff.find_tag_unsigned::<u16>(Tag::Compression).map_err(bad)?.unwrap_or(1) != 1;
-    check_claim(file, (width.into(), height.into()), sample, bytes.len() as u64, packed)?;
+/// First bytes of a TIFF.
+pub(in crate::terrain) const MAGIC: [&[u8]; 4] = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"];
 
-    let size = (u64::from(width) * u64::from(height) * sample) as usize;
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = size.saturating_mul(2).max(1 << 20);
-    limits.intermediate_buffer_size = size.saturating_mul(2).max(1 << 20);
-    limits.ifd_value_size = bytes.len();
-    let mut tiff = tiff.with_limits(limits);
-    let nodata = nodata(file, &mut tiff)?;
-    let place = place(&mut tiff);
-    let (values, kind) = match tiff.read_image().map_err(bad)? {
-        DecodingResult::I8(v) => (Values::I16(v.into_iter().map(i16::from).collect()), "int8"),
-        DecodingResult::U8(v) => (Values::I16(v.into_iter().map(i16::from).collect()), "uint8"),
-        DecodingResult::I16(v) => (Values::I16(v), "int16"),
-        DecodingResult::U16(v) => (Values::U16(v), "uint16"),
-        DecodingResult::I32(v) => (Values::Int(v.into_iter().map(i64::from).collect()), "int32"),
-        DecodingResult::U32(v) => (Values::Int(v.into_iter().map(i64::from).collect()), "uint32"),
-        DecodingResult::F32(v) => (Values::F32(v), "float32"),
-        DecodingResult::F64(v) => (Values::F64(v), "float64"),
-        _ => {
-            let mend = "convert it to int16 or float32";
-            return Err(DemError::unsupported(file, format!("its samples have {bits} bits"), mend));
-        }
+/// Numbers of all bands, a pixel's side by side, rows as they stand in the file.
+pub(in crate::terrain) struct Decoded {
+    pub width: u32,
+    pub height: u32,
+    pub bands: u32,
+    pub values: Samples,
+    pub nodata: Option<f64>,
+    pub place: Option<Place>,
+    kind: &'static str,
+}
+
+pub(in crate::terrain) enum Samples {
+    Bytes(Vec<u8>),
+    Numbers(Values),
+}
+
+pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
+    let Decoded { width, height, bands, values, nodata, place, kind } = decode(file, bytes)?;
+    if bands != 1 {
+        let what = format!("its pixels have {bands} channels, not one number each");
+        return Err(DemError::unsupported(file, what, "give a single-band GeoTIFF of heights"));
+    }
+    let values = match values {
+        Samples::Bytes(data) => Values::I16(data.into_iter().map(i16::from).collect()),
+        Samples::Numbers(values) => values,
     };
     let place = place.unwrap_or_default();
     let spacing = match (options.spacing, place.spacing(height)) {
@@ -88,6 +78,61 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
     .terrain(file)
 }
 
+/// Channels and bits of a sample.
+fn channels(file: &str, color: ColorType) -> Result<(u32, u8), DemError> {
+    match color {
+        ColorType::Gray(bits) => Ok((1, bits)),
+        ColorType::GrayA(bits) => Ok((2, bits)),
+        ColorType::RGB(bits) => Ok((3, bits)),
+        ColorType::RGBA(bits) => Ok((4, bits)),
+        ColorType::Multiband { bit_depth, num_samples } => Ok((u32::from(num_samples), bit_depth)),
+        other => {
+            let what = format!("its pixels are {other:?}");
+            Err(DemError::unsupported(file, what, "convert it to grey, RGB or bands of numbers"))
+        }
+    }
+}
+
+pub(in crate::terrain) fn decode(file: &str, bytes: &[u8]) -> Result<Decoded, DemError> {
+    let bad = |e: tiff::TiffError| explain(file, e);
+    let mut tiff = Decoder::new(Cursor::new(bytes)).map_err(bad)?;
+    let (width, height) = tiff.dimensions().map_err(bad)?;
+    let (bands, bits) = channels(file, tiff.colortype().map_err(bad)?)?;
+    let sample = u64::from(bits).div_ceil(8) * u64::from(bands);
+    let tag = |tiff: &mut Tiff, tag| tiff.find_tag_unsigned::<u16>(tag).map_err(bad).map(|t| t.unwrap_or(1));
+    let packed = tag(&mut tiff, Tag::Compression)? != 1;
+    check_held(file, (width.into(), height.into()), sample, bytes.len() as u64, packed)?;
+    if bands > 1 && tag(&mut tiff, Tag::PlanarConfiguration)? != 1 {
+        let mend = "write it pixel by pixel (INTERLEAVE=PIXEL)";
+        return Err(DemError::unsupported(file, "its bands lie apart", mend));
+    }
+
+    let size = (u64::from(width) * u64::from(height) * sample) as usize;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = size.saturating_mul(2).max(1 << 20);
+    limits.intermediate_buffer_size = size.saturating_mul(2).max(1 << 20);
+    limits.ifd_value_size = bytes.len();
+    let mut tiff = tiff.with_limits(limits);
+    let nodata = nodata(file, &mut tiff)?;
+    let place = place(&mut tiff);
+    let numbers = Samples::Numbers;
+    let (values, kind) = match tiff.read_image().map_err(bad)? {
+        DecodingResult::I8(v) => (numbers(Values::I16(v.into_iter().map(i16::from).collect())), "int8"),
+        DecodingResult::U8(v) => (Samples::Bytes(v), "uint8"),
+        DecodingResult::I16(v) => (numbers(Values::I16(v)), "int16"),
+        DecodingResult::U16(v) => (numbers(Values::U16(v)), "uint16"),
+        DecodingResult::I32(v) => (numbers(Values::Int(v.into_iter().map(i64::from).collect())), "int32"),
+        DecodingResult::U32(v) => (numbers(Values::Int(v.into_iter().map(i64::from).collect())), "uint32"),
+        DecodingResult::F32(v) => (numbers(Values::F32(v)), "float32"),
+        DecodingResult::F64(v) => (numbers(Values::F64(v)), "float64"),
+        _ => {
+            let mend = "convert it to int16 or float32";
+            return Err(DemError::unsupported(file, format!("its samples have {bits} bits"), mend));
+        }
+    };
+    Ok(Decoded { width, height, bands, values, nodata, place, kind })
+}
+
 /// The file's fault or ours.
 fn explain(file: &str, error: tiff::TiffError) -> DemError {
     match error {
@@ -114,16 +159,17 @@ fn nodata(file: &str, tiff: &mut Tiff) -> Result<Option<f64>, DemError> {
 
 /// Georeference as the tags state it.
 #[derive(Default)]
-struct Place {
+pub(in crate::terrain) struct Place {
     /// In units of the reference system, positive.
     step: Option<[f64; 2]>,
     /// Centre of the first sample.
     first: [f64; 2],
-    south_first: bool,
+    pub south_first: bool,
     geographic: bool,
     epsg: Option<u32>,
     /// Metres in a unit of a projected system.
     unit: f64,
+    keys: Option<GeoKeys>,
 }
 
 impl Place {
@@ -143,13 +189,14 @@ impl Place {
         Some([step[0] * east, step[1] * north])
     }
 
-    fn georeference(&self, height: u32) -> Option<Georeference> {
+    pub fn georeference(&self, height: u32) -> Option<Georeference> {
         let step = self.step?;
         Some(Georeference {
             epsg: self.epsg,
             geographic: self.geographic,
             north_west: [self.first[0], self.north(height)],
             step,
+            keys: self.keys.clone(),
         })
     }
 }
@@ -172,17 +219,18 @@ fn place(tiff: &mut Tiff) -> Option<Place> {
     if !sound {
         return None;
     }
-    let directory = tiff.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
-    let key = |id: u16| {
-        let mut rows = directory.chunks_exact(4).skip(1);
-        rows.find(|row| row[0] == id && row[1] == 0).map(|row| row[3])
+    let keys = GeoKeys {
+        directory: tiff.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default(),
+        doubles: tiff.get_tag_f64_vec(Tag::GeoDoubleParamsTag).unwrap_or_default(),
+        text: tiff.get_tag_ascii_string(Tag::GeoAsciiParamsTag).unwrap_or_default(),
     };
+    let key = |id: u16| keys.get(id);
     let code = |id: u16| key(id).filter(|c| *c != 0 && *c != 32767).map(u32::from);
     let geographic = match key(MODEL_TYPE) {
         Some(model) => model == 2,
         None => code(GEOGRAPHIC_CRS).is_some() && code(PROJECTED_CRS).is_none(),
     };
-    let half = if key(RASTER_TYPE) == Some(2) { 0.0 } else { 0.5 };
+    let half = if key(RASTER_TYPE) == Some(PIXEL_IS_POINT) { 0.0 } else { 0.5 };
     let unit =
         key(LINEAR_UNITS).and_then(|u| UNITS.iter().find(|(code, _)| *code == u)).map_or(1.0, |(_, m)| *m);
     Some(Place {
@@ -192,5 +240,6 @@ fn place(tiff: &mut Tiff) -> Option<Place> {
         geographic,
         epsg: if geographic { code(GEOGRAPHIC_CRS) } else { code(PROJECTED_CRS) },
         unit,
+        keys: (!keys.directory.is_empty()).then_some(keys),
     })
 }

@@ -5,7 +5,7 @@ use crate::terrain::field::{Georeference, Samples, Terrain, VOID_F32, VOID_I16};
 
 /// Decoded numbers, rows from north to south.
 #[derive(Debug)]
-pub(super) enum Values {
+pub(in crate::terrain) enum Values {
     I16(Vec<i16>),
     /// Any other integers.
     Int(Vec<i64>),
@@ -66,7 +66,17 @@ impl Grid {
         }
         let offset = self.offset + shift * self.scale;
         let scaling = (self.scale, offset);
-        Terrain::new(file, self.width, self.height, self.spacing, samples, scaling, self.crs, self.format)
+        let terrain = Terrain::new(
+            file,
+            self.width,
+            self.height,
+            self.spacing,
+            samples,
+            scaling,
+            self.crs,
+            self.format,
+        )?;
+        Ok(Terrain { nodata: self.nodata, ..terrain })
     }
 }
 

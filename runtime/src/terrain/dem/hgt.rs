@@ -39,6 +39,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
             geographic: true,
             north_west: [longitude, latitude + 1.0],
             step: [step, step],
+            keys: None,
         }),
         format: "SRTM hgt int16".to_owned(),
         south_first: false,

@@ -6,7 +6,63 @@ use crate::terrain::field::Terrain;
 
 const MEND: &str = "save it with numpy.save as a two-dimensional C-ordered array of i2, u2, i4, f4 or f8";
 
+pub(in crate::terrain) const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// An array as its header describes it.
+pub(in crate::terrain) struct Array<'a> {
+    file: &'a str,
+    pub shape: Vec<u64>,
+    descr: String,
+    pub data: &'a [u8],
+}
+
+impl Array<'_> {
+    /// Bytes of a number.
+    pub fn sample(&self) -> Result<u64, DemError> {
+        let (order, kind) = self.descr.split_at_checked(1).unwrap_or(("", ""));
+        let ordered = ["<", "=", ">"].contains(&order);
+        match kind {
+            "u1" => Ok(1),
+            "i2" | "u2" if ordered => Ok(2),
+            "i4" | "f4" if ordered => Ok(4),
+            "f8" if ordered => Ok(8),
+            _ => Err(DemError::unsupported(self.file, format!("its samples are `{}`", self.descr), MEND)),
+        }
+    }
+
+    pub fn is_bytes(&self) -> bool {
+        self.descr.ends_with("u1")
+    }
+
+    /// The first numbers.
+    pub fn values(&self, count: usize) -> Result<Values, DemError> {
+        let held = count * self.sample()? as usize;
+        Ok(decode(&self.data[..held], &self.descr[1..], self.descr.starts_with('>')))
+    }
+}
+
 pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
+    let array = parse(file, bytes)?;
+    let &[height, width] = array.shape.as_slice() else {
+        return Err(DemError::unsupported(file, format!("its shape is {:?}", array.shape), MEND));
+    };
+    check_claim(file, (width, height), array.sample()?, array.data.len() as u64, false)?;
+    Grid {
+        width: width as u32,
+        height: height as u32,
+        values: array.values((width * height) as usize)?,
+        nodata: None,
+        scale: 1.0,
+        offset: 0.0,
+        spacing: options.spacing.unwrap_or([1.0, 1.0]),
+        crs: None,
+        format: format!("NumPy {}", array.descr),
+        south_first: false,
+    }
+    .terrain(file)
+}
+
+pub(in crate::terrain) fn parse<'a>(file: &'a str, bytes: &'a [u8]) -> Result<Array<'a>, DemError> {
     let short = || DemError::truncated(file, "its header is cut off");
     let major = *bytes.get(6).ok_or_else(short)?;
     let (start, length) = if major == 1 {
@@ -19,7 +75,6 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
     let end = start + length;
     let header = bytes.get(start..end).ok_or_else(short)?;
     let header = std::str::from_utf8(header).map_err(|_| DemError::lying(file, "its header is not text"))?;
-    let data = &bytes[end..];
 
     let absent = |key: &str| DemError::lying(file, format!("its header has no `{key}`"));
     let descr = value(header, "descr").ok_or_else(|| absent("descr"))?.trim_matches(['\'', '"']).to_owned();
@@ -34,36 +89,10 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         .filter(|s| !s.is_empty())
         .map(|s| s.parse().ok())
         .collect();
-    let Some(&[height, width]) = sides.as_deref() else {
+    let Some(shape) = sides else {
         return Err(DemError::unsupported(file, format!("its shape is {shape}"), MEND));
     };
-    let (order, kind) = descr.split_at_checked(1).unwrap_or(("", ""));
-    let sample = match kind {
-        "i2" | "u2" => 2,
-        "i4" | "f4" => 4,
-        "f8" => 8,
-        _ => return Err(DemError::unsupported(file, format!("its samples are `{descr}`"), MEND)),
-    };
-    let big = match order {
-        "<" | "=" => false,
-        ">" => true,
-        _ => return Err(DemError::unsupported(file, format!("its samples are `{descr}`"), MEND)),
-    };
-    check_claim(file, (width, height), sample, data.len() as u64, false)?;
-    let count = (width * height * sample) as usize;
-    Grid {
-        width: width as u32,
-        height: height as u32,
-        values: decode(&data[..count], kind, big),
-        nodata: None,
-        scale: 1.0,
-        offset: 0.0,
-        spacing: options.spacing.unwrap_or([1.0, 1.0]),
-        crs: None,
-        format: format!("NumPy {descr}"),
-        south_first: false,
-    }
-    .terrain(file)
+    Ok(Array { file, shape, descr, data: &bytes[end..] })
 }
 
 /// The text behind `'key':` in the header's Python dictionary, up to the comma that ends it.
@@ -87,6 +116,7 @@ fn decode(data: &[u8], kind: &str, big: bool) -> Values {
         })
     }
     match kind {
+        "u1" => Values::U16(data.iter().copied().map(u16::from).collect()),
         "i2" => Values::I16(words(data, big).map(i16::from_le_bytes).collect()),
         "u2" => Values::U16(words(data, big).map(u16::from_le_bytes).collect()),
         "i4" => Values::Int(words(data, big).map(|w| i64::from(i32::from_le_bytes(w))).collect()),

@@ -97,5 +97,6 @@ fn georeference(get: &dyn Fn(&str) -> Option<f64>, step: [f64; 2], height: u64) 
         geographic: step[0] < 0.1 && west.abs() <= 360.0 && south.abs() <= 90.0,
         north_west: [west, south + (height - 1) as f64 * step[1]],
         step,
+        keys: None,
     })
 }

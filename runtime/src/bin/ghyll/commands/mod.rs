@@ -5,6 +5,7 @@ pub mod build;
 pub mod check;
 pub mod info;
 mod machine;
+pub mod map;
 pub mod render;
 pub mod run;
 mod scene;
@@ -19,6 +20,7 @@ use ghyll_compiler::front::Checked;
 use ghyll_compiler::source::Source;
 use ghyll_compiler::typed::{Expr, Local};
 use ghyll_runtime::files::{self, Disk};
+use ghyll_runtime::image;
 use ghyll_runtime::machine::evaluate_argument;
 use ghyll_runtime::value::Value;
 use std::path::Path;
@@ -26,6 +28,22 @@ use std::path::Path;
 /// Reads a program's text.
 fn read(path: &Path) -> Result<Source, Failure> {
     files::source(path).map_err(Failure::Input)
+}
+
+/// A picture that cannot be written is known before it is computed.
+fn writable(output: &Path) -> Result<(), Failure> {
+    image::Format::of(output).map_err(|e| Failure::Usage(e.to_string()))?;
+    let shown = output.display();
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        return Err(Failure::Usage(format!(
+            "cannot write {shown}: its folder does not exist; make it first"
+        )));
+    }
+    if output.is_dir() {
+        return Err(Failure::Usage(format!("cannot write {shown}: it is a folder; name a file in it")));
+    }
+    Ok(())
 }
 
 /// Parses and checks a program, showing its warnings.
@@ -52,7 +70,8 @@ fn compiled(
         })?;
         set.push((name.trim().to_string(), value.trim().to_string()));
     }
-    let options = Options { entry: program.entry.clone(), want, set, live: program.live.clone() };
+    let (entry, live) = (program.entry.clone(), program.live.clone());
+    let options = Options { entry, want, set, live, no_bake: program.no_bake };
     let compiled = compile::compile(checked, &options).map_err(|error| match error {
         CompileError::Program(report) => Failure::Diagnostics { report, json: program.json },
         CompileError::Request(message) => Failure::Usage(message),

@@ -1,36 +1,15 @@
 //! `ghyll render`: a picture of an image entry.
 
-use super::{checked, compiled, machine, read, scene};
+use super::{checked, compiled, machine, read, scene, writable};
 use crate::arguments::Render;
 use crate::failure::Failure;
 use crate::report;
 use ghyll_compiler::compile::EntryKind;
 use ghyll_compiler::source::Source;
-use ghyll_runtime::image;
 use ghyll_runtime::machine::Job;
-use std::path::Path;
 
 /// What `ghyll render` shows without a file.
 const EXAMPLE: &str = include_str!("../../../../../lang-examples/fuji.ghyll");
-
-/// A picture that cannot be written is known before it is computed.
-fn writable(output: &Path) -> Result<(), Failure> {
-    image::Format::of(output).map_err(|e| Failure::Usage(e.to_string()))?;
-    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if folder.is_some_and(|folder| !folder.is_dir()) {
-        return Err(Failure::Usage(format!(
-            "cannot write {}: its folder does not exist; make it first",
-            output.display()
-        )));
-    }
-    if output.is_dir() {
-        return Err(Failure::Usage(format!(
-            "cannot write {}: it is a folder; name a file in it",
-            output.display()
-        )));
-    }
-    Ok(())
-}
 
 pub fn render(arguments: &Render) -> Result<(), Failure> {
     writable(&arguments.output)?;
@@ -41,14 +20,15 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     };
     let checked = checked(source, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Image))?;
-    let scene = scene::of_render(arguments)?;
+    let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
+    let scene = scene::of_render(&asked, arguments)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
 
     let [width, height] = arguments.size;
     let progress = report::Bar::start("rendering");
     config.progress = progress.listener();
-    let job = Job { checked: &checked, compiled: &compiled, scene: Some(&scene) };
+    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
     let outcome = job.render(&machine, (width, height), &config);
     progress.finish();
     let (picture, stats) = outcome.map_err(Failure::run)?;

@@ -17,10 +17,8 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Value))?;
     let args = self::arguments(&checked, &compiled, &arguments.args, json)?;
-    let scene = match compiled.back.wgsl.intrinsics.is_empty() {
-        true => None,
-        false => Some(scene::of_terrain(&arguments.terrain)?),
-    };
+    let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
+    let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     let progress = crate::report::Bar::start("running");
     config.progress = progress.listener();

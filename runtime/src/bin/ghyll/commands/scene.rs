@@ -1,9 +1,13 @@
 //! The scene, from arguments.
 
-use crate::arguments::{Reading, Render, Terrain as TerrainArguments};
+use crate::arguments::{On, Reading, Render, Terrain as TerrainArguments};
 use crate::failure::Failure;
+use ghyll_compiler::compile::{Compiled, EntryKind};
+use ghyll_compiler::front::Checked;
+use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{
-    DemError, DemOptions, Encoding, NAMED_FOV, NamedView, Scene, SceneOptions, Sun, Terrain, View, Voids,
+    DemError, DemOptions, Encoding, NAMED_FOV, NamedView, Raster, Scene, SceneOptions, Sun, Terrain, View,
+    Voids,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -46,12 +50,12 @@ fn note_assumptions(file: &dyn std::fmt::Display, terrain: &Terrain, reading: &R
 }
 
 /// A scene for programs that look at the terrain without a camera of their own.
-pub fn of_terrain(arguments: &TerrainArguments) -> Result<Scene, Failure> {
+pub fn of_terrain(asked: &Asked, arguments: &TerrainArguments) -> Result<Option<Scene>, Failure> {
     let options = SceneOptions { exaggerate: arguments.exaggerate, ..SceneOptions::default() };
-    build(terrain(arguments)?, &options)
+    asked.scene(arguments, &options)
 }
 
-pub fn of_render(arguments: &Render) -> Result<Scene, Failure> {
+pub fn of_render(asked: &Asked, arguments: &Render) -> Result<Option<Scene>, Failure> {
     let view = match (arguments.eye, arguments.look_at) {
         (Some(eye), Some(target)) => {
             let up = arguments.up.unwrap_or([0.0, 0.0, 1.0]);
@@ -69,13 +73,71 @@ pub fn of_render(arguments: &Render) -> Result<Scene, Failure> {
     };
     let [width, height] = arguments.size;
     let options = SceneOptions { view, size: (width, height), sun, exaggerate: arguments.terrain.exaggerate };
-    build(terrain(&arguments.terrain)?, &options)
+    asked.scene(&arguments.terrain, &options)
 }
 
 fn named(name: &str) -> Result<NamedView, Failure> {
     name.parse::<NamedView>().map_err(|e| Failure::Usage(e.to_string()))
 }
 
-fn build(terrain: Terrain, options: &SceneOptions) -> Result<Scene, Failure> {
-    Scene::new(Arc::new(terrain), options).map_err(|e| Failure::Usage(e.to_string()))
+/// A program that may look at a scene.
+pub struct Asked<'a> {
+    pub checked: &'a Checked,
+    pub compiled: &'a Compiled,
+    pub on: On,
+}
+
+impl Asked<'_> {
+    /// What is not looked at is not read.
+    fn scene(&self, arguments: &TerrainArguments, options: &SceneOptions) -> Result<Option<Scene>, Failure> {
+        let module = &self.checked.module;
+        let bindings = bindings(&arguments.rasters)?;
+        let refused = |e: BindError| match e.is_usage() {
+            true => Failure::Usage(e.to_string()),
+            false => Failure::Input(e.to_string()),
+        };
+        rasters::check_names(module, bindings.iter().map(|(name, _)| *name)).map_err(refused)?;
+        if !self.looks() {
+            if arguments.dem.is_some() {
+                eprintln!("the program does not look at the terrain; --dem is not read");
+            }
+            return Ok(None);
+        }
+        let terrain = terrain(arguments)?;
+        let scene = Scene::new(Arc::new(terrain), options).map_err(|e| Failure::Usage(e.to_string()))?;
+        let open = |wanted: &str| {
+            let (name, file) = bindings.iter().find(|(name, _)| *name == wanted)?;
+            Some(Raster::open(file).map(|raster| {
+                if raster.missing > 0 {
+                    eprintln!(
+                        "{file}: {} numbers of the raster `{name}` are missing and read as 0",
+                        raster.missing
+                    );
+                }
+                Arc::new(raster)
+            }))
+        };
+        rasters::bind(module, self.compiled, &scene, open).map(Some).map_err(refused)
+    }
+
+    /// The oracle evaluates what the compiler has found to be of no consequence too.
+    fn looks(&self) -> bool {
+        if self.compiled.kind == EntryKind::Map {
+            return true;
+        }
+        let library = self.checked.module.functions.iter().any(|f| f.library);
+        !self.compiled.back.wgsl.intrinsics.is_empty() || (self.on == On::Oracle && library)
+    }
+}
+
+/// Names with their files.
+fn bindings(rasters: &[String]) -> Result<Vec<(&str, &str)>, Failure> {
+    rasters.iter().map(|text| binding(text)).collect()
+}
+
+fn binding(text: &str) -> Result<(&str, &str), Failure> {
+    let (name, file) = text.split_once('=').ok_or_else(|| {
+        Failure::Usage(format!("--raster {text}: expected NAME=FILE, such as --raster satellite=photo.png"))
+    })?;
+    Ok((name.trim(), file.trim()))
 }

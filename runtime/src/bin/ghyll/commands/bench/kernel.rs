@@ -31,9 +31,10 @@ pub struct Kernel {
 impl Kernel {
     pub fn new(gpu: &Gpu, scene: &Scene, size: u32) -> Result<Kernel, String> {
         let device = &gpu.device;
-        let terrain = GpuTerrain::new(device, &gpu.queue, scene).map_err(|e| e.to_string())?;
-        let terrain_layout = GpuTerrain::layout(device);
-        let prelude = wgsl::wgsl(INTRINSICS, wgsl::Format::of(scene.terrain())).text;
+        let prelude = wgsl::wgsl(INTRINSICS, wgsl::Format::of(scene.terrain()));
+        let terrain = GpuTerrain::new(device, &gpu.queue, scene, prelude.uses).map_err(|e| e.to_string())?;
+        let terrain_layout = terrain.layout(device);
+        let prelude = prelude.text;
         let source = wgpu::ShaderModuleDescriptor {
             label: Some("overhead kernel"),
             source: wgpu::ShaderSource::Wgsl(format!("{prelude}\n{TEXT}").into()),

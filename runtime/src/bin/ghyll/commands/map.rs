@@ -1,0 +1,30 @@
+//! `ghyll map`: a value for each sample of the field.
+
+use super::{checked, compiled, machine, read, scene, writable};
+use crate::arguments::Map;
+use crate::failure::Failure;
+use crate::report;
+use ghyll_compiler::compile::EntryKind;
+use ghyll_runtime::machine::Job;
+
+pub fn map(arguments: &Map) -> Result<(), Failure> {
+    writable(&arguments.output)?;
+    let checked = checked(read(&arguments.file)?, arguments.program.json)?;
+    let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Map))?;
+    let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
+    let scene = scene::of_terrain(&asked, &arguments.terrain)?;
+    let (machine, mut config) = machine::open(&arguments.machine)?;
+    eprintln!("mapping on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
+
+    let progress = report::Bar::start("mapping");
+    config.progress = progress.listener();
+    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
+    let outcome = job.map(&machine, &config);
+    progress.finish();
+    let (map, stats) = outcome.map_err(Failure::run)?;
+    map.save(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
+    let (width, height) = (map.image().width, map.image().height);
+    eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
+    report::stats(&arguments.machine, &machine, &stats);
+    Ok(())
+}

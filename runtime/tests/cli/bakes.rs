@@ -1,0 +1,48 @@
+//! `@bake` and `--no-bake`: whether a function is read or called shows between the samples.
+
+use crate::support::{Folder, machines};
+
+const FLAT: &str = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n0 0 0\n0 0 0\n";
+const SQUARE: &str = "
+    param on: bool = true;
+    param k: f32 = 1.0;
+    @bake fn square(p: vec2) -> f32 = k * p.x * p.x;
+    fn pixel(p: vec2) -> f32 = if on { square(vec2(5.0, 0.0)) } else { p.x };
+";
+
+/// The first number of the picture, and what was said.
+fn render(folder: &Folder, more: &str) -> (f32, String) {
+    let ended = folder.ghyll(&format!("render p.ghyll --dem flat.asc --size 2x2 -o p.npy {more}"));
+    ended.printed();
+    let bytes = std::fs::read(folder.path("p.npy")).unwrap();
+    let at = bytes.len() - 16;
+    (f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]), ended.err)
+}
+
+#[test]
+fn a_bake_is_read_between_its_samples() {
+    let folder = Folder::new("bake_between");
+    folder.write("p.ghyll", SQUARE).write("flat.asc", FLAT);
+    for machine in machines().iter().filter(|m| **m != "oracle") {
+        let on = |more: &str| render(&folder, &format!("--on {machine} {more}")).0;
+        assert_eq!(on(""), 50.0, "{machine}");
+        assert_eq!(on("--no-bake"), 25.0, "{machine}");
+        assert_eq!(on("--set k=2 --live k"), 100.0, "{machine}");
+    }
+    assert_eq!(render(&folder, "--on oracle").0, 25.0);
+}
+
+#[test]
+fn statistics_show_what_a_bake_takes_if_it_is_needed() {
+    let folder = Folder::new("bake_statistics");
+    folder.write("p.ghyll", SQUARE).write("flat.asc", FLAT);
+    for machine in machines().iter().filter(|m| **m != "oracle") {
+        let said = |more: &str| render(&folder, &format!("--on {machine} --stats json {more}")).1;
+        // Three by two samples of four bytes.
+        assert!(said("").contains("\"bakes\":24"), "{machine}");
+        for none in ["--set on=false", "--no-bake"] {
+            assert!(said(none).contains("\"bakes\":0"), "{machine} {none}");
+        }
+        assert!(render(&folder, &format!("--on {machine} --stats")).1.contains("baking"), "{machine}");
+    }
+}

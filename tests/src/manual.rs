@@ -129,6 +129,6 @@ mod tests {
         assert!(matches!(values(&block("fn main() -> i32 = 1; // not main() => 2\n")), Ok(None)));
         let case = values(&block("fn main() -> i32 = 1;\n// main() => 1\n// main() => 2\n"));
         assert_eq!(case.map(|c| c.map(|c| c.expectations.len())), Ok(Some(2)));
-        assert!(values(&block("fn main() -> i32 = 1;\n// main() => what\n")).is_err());
+        assert!(values(&block("fn main() -> i32 = 1;\n// main() => 1 +\n")).is_err());
     }
 }

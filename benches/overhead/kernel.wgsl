@@ -48,7 +48,8 @@ fn color(x: f32, y: f32) -> vec3<f32> {
     let step = texel();
     let spacing = step.x + step.y;
     let at = vec3<f32>(p.x, p.y, select(p.z, z, abs(p.z - z) < 0.02 * spacing));
-    let g = gradient_bilinear(p.x, p.y);
+    let rim = extent();
+    let g = gradient_bilinear(min(max(p.x, 0.0), rim.x), min(max(p.y, 0.0), rim.y));
     let up = vec3<f32>(-g.x, -g.y, 1.0);
     let normal = up / sqrt(up.x * up.x + up.y * up.y + up.z * up.z);
     return ground(at.z) * (0.25 + 0.75 * lambert(at, normal, spacing));

@@ -159,8 +159,6 @@ builtins! {
     // (hit, distance) of the first t in [near, far]: surface, origin, direction, near, far.
     Trace "__trace" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> (bool, f32)");
     Occluded "__occluded" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> bool");
-    // Exact gradient of a surface, metres per metre.
-    Gradient "__gradient" Library Fixed("fn(fn(vec2) -> f32, vec2) -> vec2");
     // (origin, direction, near, far) of the primary ray through a pixel.
     Camera "__camera" Library Fixed("fn(vec2) -> (vec3, vec3, f32, f32)");
     // A pixel's width at distance t is x + y * t.

@@ -113,6 +113,8 @@ codes! {
     GROWING_FUNCTION "E0511" "a function value that captures itself over and over";
     NEVER_YIELDS "E0512" "a function that never yields its function value";
     TOO_MUCH_CODE "E0513" "a program that specialisation makes too large";
+    NO_DERIVATIVE "E0515" "a derivative of something that has none";
+    ENDLESS_DERIVATIVE "E0516" "a derivative that needs its own derivative";
     NOT_AN_ENTRY "E0514" "a function that cannot be an entry";
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
@@ -120,7 +122,6 @@ codes! {
     UNUSED_NAME "W0603" "a name that nothing uses";
 
     TRACED_SURFACE "E0902" "tracing this surface is not supported yet";
-    DERIVATIVE "E0903" "derivatives are not supported yet";
     LIVE_FUNCTION "E0906" "live function parameters are not supported yet";
 }
 

@@ -48,6 +48,8 @@ intrinsics! {
     // Their gradients: (x, y) -> (dz/dx, dz/dy).
     GradientTriangulated "gradient_triangulated" (F32, F32) -> (F32, F32) 25;
     GradientBilinear "gradient_bilinear" (F32, F32) -> (F32, F32) 25;
+    // Its second derivative by x and y; those by one of them alone are 0.
+    TwistBilinear "twist_bilinear" (F32, F32) -> (F32) 25;
     // First intersection: (origin, direction, near, far) -> (hit, distance).
     TraceTriangulated "trace_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
     TraceBilinear "trace_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;

@@ -1,6 +1,6 @@
 //! Compiler of Ghyll: text in, [`table::Table`] and initial stream or diagnostics out. No files, no GPU, no clock.
 //!
-//! text -> [`lexer`], [`parse`] -> [`ast`] -> names and types ([`front`]) -> [`typed`] tree -> [`lower`] -> [`core`]
+//! text -> [`lexer`], [`parse`] -> [`ast`] -> names and types ([`front`]) -> [`typed`] tree -> [`lower`], `derive` -> [`core`]
 //! -> [`optimise`] -> [`split`] -> [`table`] -> [`wgsl`]. [`compile`] plays them in order.
 
 pub mod argument;
@@ -11,6 +11,7 @@ pub mod builtins;
 pub mod codes;
 pub mod compile;
 pub mod core;
+mod derive;
 pub mod diagnostic;
 pub mod entry;
 mod exhaustive;

@@ -2,7 +2,7 @@ fn gradient_triangulated(x: f32, y: f32) -> vec2<f32> {
     let cell = terrain_cell(x, y);
     let c = cell.corners;
     if cell.u >= cell.v {
-        return terrain_slope(c.se - c.sw, c.ne - c.se);
+        return terrain_slope(x, y, c.se - c.sw, c.ne - c.se);
     }
-    return terrain_slope(c.ne - c.nw, c.nw - c.sw);
+    return terrain_slope(x, y, c.ne - c.nw, c.nw - c.sw);
 }

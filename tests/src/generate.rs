@@ -8,6 +8,7 @@
 //! it; a bound on the estimated number of calls keeps them quick. Floats are kept in a bounded grid by `grid`, so
 //! that no infinity, NaN or denormal occurs and every operation is exactly rounded: all machines must agree to the bit.
 
+mod derivative;
 mod expression;
 
 use expression::Scope;
@@ -113,6 +114,8 @@ pub fn batch(programs: &[String]) -> String {
 const PRELUDE: &str = "\
 // Keeps a float on a bounded grid.
 fn grid(x: f32) -> f32 = max(-4096.0, min(floor(x * 256.0) / 256.0, 4096.0));
+// Keeps it to few bits.
+fn small(x: f32) -> f32 = max(-16.0, min(floor(x * 4.0) / 4.0, 16.0));
 fn grid2(v: vec2) -> vec2 = vec2(grid(v.x), grid(v.y));
 ";
 

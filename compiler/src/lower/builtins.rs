@@ -50,7 +50,7 @@ impl<'m> Lower<'m> {
             Builtin::ToBool => self.convert(Prim::ToBool, &args[0]),
             Builtin::BitcastF32 => self.convert(Prim::BitcastF32, &args[0]),
             Builtin::BitcastI32 => self.convert(Prim::BitcastI32, &args[0]),
-            Builtin::BitcastU32 => self.convert(Prim::BitcastU32, &args[0]),
+            Builtin::BitcastU32 => self.bits(&args[0]),
             Builtin::Vec2 | Builtin::Vec3 | Builtin::Vec4 | Builtin::IVec2 | Builtin::IVec3 => {
                 let (Shape::VectorOf(n) | Shape::IVectorOf(n)) = builtin.shape() else {
                     unreachable!("these rows build vectors")
@@ -69,9 +69,6 @@ impl<'m> Lower<'m> {
             Builtin::Trace => self.on_surface(at, [Intrinsic::TraceTriangulated, Intrinsic::TraceBilinear]),
             Builtin::Occluded => {
                 self.on_surface(at, [Intrinsic::OccludedTriangulated, Intrinsic::OccludedBilinear])
-            }
-            Builtin::Gradient => {
-                self.on_surface(at, [Intrinsic::GradientTriangulated, Intrinsic::GradientBilinear])
             }
             _ => match direct(builtin) {
                 Some(intrinsic) => self.intrinsic(intrinsic, args, at.result),
@@ -174,6 +171,17 @@ impl<'m> Lower<'m> {
             let from = l.scalar_of(atom);
             if from == target { atom } else { l.prim(prim, from, vec![atom]) }
         })
+    }
+
+    /// A float's bits by way of i32, which tells them from a float in an enum's payload: those keep their slope.
+    fn bits(&mut self, value: &Value<'m>) -> Value<'m> {
+        match self.scalar_of(value.atom()) {
+            F32 => {
+                let signed = self.convert(Prim::BitcastI32, value);
+                self.convert(Prim::BitcastU32, &signed)
+            }
+            _ => self.convert(Prim::BitcastU32, value),
+        }
     }
 
     fn scaled(&mut self, value: &Value<'m>, factor: f32) -> Value<'m> {

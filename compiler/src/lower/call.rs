@@ -108,6 +108,7 @@ impl<'m> Lower<'m> {
             Closure::Variant(tag) => Value::Variant(*tag, at.args),
             Closure::Struct => Value::Group(at.args),
             Closure::Raster(id) => self.layer(id.0, &at.args[0], at.result),
+            Closure::Derivative(f) => self.slope(f, at),
             Closure::Lambda(_) => self.invoke(Callee::Value(callee.clone()), at),
         }
     }
@@ -169,7 +170,7 @@ impl<'m> Lower<'m> {
                 })
             }
             Value::Function(closure) => {
-                let lambda = closure.lambda().expect("other functions have no body");
+                let Some(lambda) = closure.lambda() else { return self.apply(callee, at) };
                 let locals = lambda.captures.iter().map(|c| (c.local, c.value.clone())).collect();
                 let mut env = Env { locals, types: lambda.types.clone() };
                 env.bind(lambda.params, at.args);

@@ -57,7 +57,7 @@ impl<'m> Lower<'m> {
             self.yields = apart.yields;
             return None;
         }
-        let functions = apart.functions.into_iter().collect::<Option<Vec<_>>>()?;
+        let functions = apart.finish().ok()?;
         let program = Program { functions, entry: 0, live: Vec::new() };
         let words = interpret::run(&program, &[], &NoHost, FUEL).ok()?;
         Some(self.unflatten(&definition.ty, &mut words.into_iter().map(Atom::Const)))

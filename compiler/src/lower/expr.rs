@@ -1,8 +1,7 @@
 //! Expressions.
 
 use super::value::{Capture, Closure, Lambda, Value};
-use super::{Env, Lower, unsupported};
-use crate::codes;
+use super::{Env, Lower};
 use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout;
 use crate::source::Span;
@@ -70,15 +69,7 @@ impl<'m> Lower<'m> {
             ExprKind::Match(scrutinee, arms) => self.matching(expr, scrutinee, arms, env),
             ExprKind::Block(lets, value) => self.scope(lets, value, env),
             ExprKind::Range(op, form) => self.range(expr, *op, form, env),
-            ExprKind::Derivative(_) => {
-                self.error(unsupported(
-                    codes::DERIVATIVE,
-                    expr.span,
-                    "derivatives are not supported yet",
-                    "`normal(surface, p)` of module `terrain` gives the normal of a built-in surface",
-                ));
-                self.placeholder(&env.ty(&expr.ty))
-            }
+            ExprKind::Derivative(f) => Value::function(Closure::Derivative(self.expr(f, env))),
         }
     }
 

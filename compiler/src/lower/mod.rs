@@ -9,6 +9,7 @@ mod builtins;
 mod call;
 mod choice;
 mod constant;
+mod derivative;
 mod expr;
 mod matching;
 mod ranges;
@@ -20,6 +21,7 @@ mod words;
 use crate::codes::{self, Code};
 use crate::compile::EntryKind;
 use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
+use crate::derive::{self, Request};
 use crate::diagnostic::Diagnostic;
 use crate::entry::misfit;
 use crate::layout;
@@ -88,8 +90,7 @@ pub fn lower(
         return Err(lower.endless.into_iter().map(endless).collect());
     }
     let live = settings.live.iter().filter_map(|id| lower.live_shape(*id)).collect();
-    let functions =
-        lower.functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect();
+    let functions = lower.finish()?;
     Ok(Program { functions, entry: 0, live })
 }
 
@@ -105,6 +106,9 @@ struct Lower<'m> {
     /// Bodies being lowered, one in another.
     frames: Vec<Frame>,
     errors: Vec<Diagnostic>,
+    /// Functions whose derivatives are to be made, and where those are called.
+    derivatives: HashMap<FnId, FnId>,
+    requests: Vec<Request>,
     /// First word of each live parameter.
     live: BTreeMap<ParamId, u32>,
     /// The user's call that led to the function under construction.
@@ -147,6 +151,8 @@ impl<'m> Lower<'m> {
             statements: 0,
             frames: Vec::new(),
             errors: Vec::new(),
+            derivatives: HashMap::new(),
+            requests: Vec::new(),
             live: BTreeMap::new(),
             constants: HashMap::new(),
             called: None,
@@ -163,6 +169,13 @@ impl<'m> Lower<'m> {
             self.function(job);
         }
         Err(std::mem::take(&mut self.errors))
+    }
+
+    /// All functions once none is queued, with the derivatives that they call.
+    fn finish(self) -> Result<Vec<Function>, Vec<Diagnostic>> {
+        let mut functions = self.functions;
+        derive::fill(&mut functions, &self.requests)?;
+        Ok(functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect())
     }
 
     /// Gives every live parameter its words.

@@ -18,6 +18,7 @@ pub enum Shape {
     StructFunction,
     /// Shapes of the captured values.
     Lambda(Identity, Vec<String>, Vec<Shape>),
+    Derivative(Box<Shape>),
     Choice(Vec<Shape>),
     Never,
 }
@@ -47,14 +48,15 @@ impl Shape {
             | Shape::Variant(_, parts)
             | Shape::Lambda(_, _, parts)
             | Shape::Choice(parts) => parts,
+            Shape::Derivative(f) => std::slice::from_ref(f),
             _ => &[],
         }
     }
 
-    /// How deep function values are nested in captures of function values.
+    /// How deep function values are nested in captures and derivatives of function values.
     fn depth(&self) -> usize {
         let below = self.children().iter().map(Shape::depth).max().unwrap_or(0);
-        below + usize::from(matches!(self, Shape::Lambda(..)))
+        below + usize::from(matches!(self, Shape::Lambda(..) | Shape::Derivative(_)))
     }
 
     pub fn size(&self) -> usize {

@@ -6,7 +6,7 @@
 
 use super::call::{Application, Callee, Frame};
 use super::shape::Shape;
-use super::value::Value;
+use super::value::{Closure, Value};
 use super::words::{dissect_any, rebuild_any, shape};
 use super::{Builder, Lower};
 use crate::codes;
@@ -151,6 +151,13 @@ impl<'m> Lower<'m> {
         match (callee, function) {
             (Callee::Function(..), Some(f)) => (f.name.clone(), f.span),
             (_, Some(f)) => (format!("{}.lambda", f.name), f.span),
+            (Callee::Value(Value::Function(closure)), None) => {
+                let name = match &**closure {
+                    Closure::Builtin(builtin) => builtin.name(),
+                    _ => "apply",
+                };
+                (name.into(), self.called.unwrap_or(self.module.functions[0].span))
+            }
             (_, None) => ("apply".into(), self.called.unwrap_or(self.module.functions[0].span)),
         }
     }

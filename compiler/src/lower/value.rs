@@ -32,6 +32,8 @@ pub enum Closure<'m> {
     Variant(u32),
     Struct,
     Lambda(Lambda<'m>),
+    /// The derivative of a function value.
+    Derivative(Value<'m>),
 }
 
 #[derive(Clone, Debug)]

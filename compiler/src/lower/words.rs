@@ -195,6 +195,7 @@ fn dissect_closure(closure: &Closure, words: &mut Vec<Atom>) -> Shape {
             let shapes = lambda.captures.iter().map(|c| dissect_any(&c.value, words)).collect();
             Shape::Lambda(lambda.identity(), type_key(&lambda.types), shapes)
         }
+        Closure::Derivative(f) => Shape::Derivative(Box::new(dissect_any(f, words))),
     }
 }
 
@@ -214,6 +215,7 @@ pub fn rebuild_any<'m>(like: &Value<'m>, words: &mut impl Iterator<Item = Atom>)
             Closure::Lambda(lambda) => {
                 lambda.with(lambda.captures.iter().map(|c| rebuild_any(&c.value, words)))
             }
+            Closure::Derivative(f) => Value::function(Closure::Derivative(rebuild_any(f, words))),
             _ => like.clone(),
         },
         Value::Atom(_) => Value::Atom(next(words)),

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use ghyll_compiler::builtins::Builtin;
 use ghyll_compiler::typed::{Expr, FunctionId, LocalId, RasterId, Type};
 
+use super::dual::Dual;
 use crate::error::RunError;
 
 #[derive(Clone)]
@@ -22,6 +23,8 @@ pub enum Datum<'m> {
     /// Enum value: variant and its fields.
     Variant(u32, Rc<[Datum<'m>]>),
     Function(Callable<'m>),
+    /// A number, vector or matrix with its slope, while a derivative is taken.
+    Dual(Rc<Dual<'m>>),
 }
 
 /// Anything that can be applied.
@@ -131,6 +134,7 @@ impl<'m> Datum<'m> {
             Datum::Fields(_) => "tuple, array or struct",
             Datum::Variant(..) => "enum value",
             Datum::Function(_) => "function",
+            Datum::Dual(_) => "number with a slope",
         }
     }
 
@@ -202,7 +206,7 @@ impl<'m> Datum<'m> {
             }
             Ok(a.len() == b.len())
         };
-        Ok(match (self, other) {
+        Ok(match (self.plain(), other.plain()) {
             (Datum::Bool(a), Datum::Bool(b)) => a == b,
             (Datum::I32(a), Datum::I32(b)) => a == b,
             (Datum::U32(a), Datum::U32(b)) => a == b,

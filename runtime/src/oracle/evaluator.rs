@@ -31,6 +31,8 @@ pub struct Evaluator<'m> {
     options: &'m OracleOptions,
     start: Instant,
     steps: u64,
+    /// Derivatives that are being taken, one of the other.
+    pub derivatives: u32,
     /// Calls that are open.
     depth: u64,
     stack_base: usize,
@@ -65,6 +67,7 @@ impl<'m> Evaluator<'m> {
             options,
             start,
             steps: 0,
+            derivatives: 0,
             depth: 0,
             stack_base: stack_position(),
             stack_size,

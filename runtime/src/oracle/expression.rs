@@ -124,10 +124,10 @@ impl<'m> Evaluator<'m> {
                 Datum::Fields(fields.into())
             }
             ExprKind::Field(base, at) => self.eval(base, frame)?.fields()?[*at as usize].clone(),
-            ExprKind::Swizzle(base, at) => swizzle(&self.eval(base, frame)?, at)?,
+            ExprKind::Swizzle(base, at) => self.eval(base, frame)?.linear(|d| swizzle(d, at))?,
             ExprKind::Index(base, at) => {
                 let (base, at) = (self.eval(base, frame)?, self.eval(at, frame)?);
-                index(&base, &at)?
+                base.linear(|d| index(d, &at))?
             }
             other => return Err(RunError::Internal(format!("the oracle has no meaning for {other:?}"))),
         })

@@ -6,6 +6,7 @@ mod builtin;
 mod convert;
 mod datum;
 mod derivative;
+mod dual;
 mod evaluator;
 mod expression;
 mod float;

@@ -6,11 +6,15 @@ use ghyll_compiler::core::Prim;
 use ghyll_compiler::typed::{BinaryOp, UnaryOp};
 
 use super::datum::{Components, Datum, Floats, Ints};
+use super::dual;
 use super::float::Precision;
 use super::integer::{binary_i32, binary_u32};
 use crate::error::RunError;
 
 pub fn unary<'m>(op: UnaryOp, a: &Datum<'m>) -> Result<Datum<'m>, RunError> {
+    if a.level() > 0 {
+        return a.linear(|d| unary(op, d));
+    }
     Ok(match (op, a) {
         (UnaryOp::Neg, Datum::I32(i)) => Datum::I32(i.wrapping_neg()),
         (UnaryOp::Neg, Datum::F32(x)) => Datum::F32(-x),
@@ -29,7 +33,10 @@ pub fn binary<'m>(p: Precision, op: BinaryOp, a: &Datum<'m>, b: &Datum<'m>) -> R
     match op {
         BinaryOp::Eq => return a.equal(b).map(Datum::Bool),
         BinaryOp::Ne => return a.equal(b).map(|same| Datum::Bool(!same)),
-        BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge => return compare(op, a, b),
+        BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge => {
+            return compare(op, a.plain(), b.plain());
+        }
+        _ if a.level().max(b.level()) > 0 => return dual::binary(p, op, a, b),
         _ => {}
     }
     let result = match (a, b) {

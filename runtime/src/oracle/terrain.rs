@@ -1,13 +1,14 @@
 //! Terrain and scene built-ins, asked of the world.
 
-use ghyll_compiler::builtins::Builtin;
+use ghyll_compiler::builtins::{Builtin, SURFACES};
 use ghyll_compiler::core::{Intrinsic, Scalar};
 use ghyll_compiler::layout;
-use ghyll_compiler::typed::{Expr, ExprKind, LocalId, RasterId};
+use ghyll_compiler::typed::{BinaryOp, Expr, ExprKind, LocalId, RasterId};
 
 use super::datum::{Callable, Datum, Frame};
 use super::evaluator::Evaluator;
 use super::float::Precision;
+use super::{dual, operator};
 use crate::error::RunError;
 
 /// Built-ins that are one intrinsic.
@@ -15,9 +16,6 @@ const PLAIN: &[(Builtin, Intrinsic)] = &[
     (Builtin::Extent, Intrinsic::Extent),
     (Builtin::Texel, Intrinsic::Texel),
     (Builtin::Relief, Intrinsic::Relief),
-    (Builtin::Nearest, Intrinsic::Nearest),
-    (Builtin::Triangulated, Intrinsic::Triangulated),
-    (Builtin::Bilinear, Intrinsic::Bilinear),
     (Builtin::SunDir, Intrinsic::SunDir),
     (Builtin::SunColor, Intrinsic::SunColor),
     (Builtin::Camera, Intrinsic::Camera),
@@ -30,11 +28,16 @@ const ON_SURFACES: &[(Builtin, Builtin, Intrinsic)] = &[
     (Builtin::Trace, Builtin::Bilinear, Intrinsic::TraceBilinear),
     (Builtin::Occluded, Builtin::Triangulated, Intrinsic::OccludedTriangulated),
     (Builtin::Occluded, Builtin::Bilinear, Intrinsic::OccludedBilinear),
-    (Builtin::Gradient, Builtin::Triangulated, Intrinsic::GradientTriangulated),
-    (Builtin::Gradient, Builtin::Bilinear, Intrinsic::GradientBilinear),
 ];
 
 pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
+    if let ([p], true) = (args, SURFACES.contains(&b)) {
+        return sample(oracle, b, [0, 0], p);
+    }
+    if dual::highest(args) > 0 && b != Builtin::Occluded {
+        let what = b.name().trim_start_matches('_');
+        return Err(RunError::Unsupported(format!("a derivative that needs that of `{what}`")));
+    }
     if let Some((_, intrinsic)) = PLAIN.iter().find(|(row, _)| *row == b) {
         let values = ask(oracle, *intrinsic, args)?;
         return Ok(shape(b, *intrinsic, &values));
@@ -56,21 +59,52 @@ fn unsupported_surface(b: Builtin) -> RunError {
     ))
 }
 
-/// The exact derivative of `f` at `p`, if `f` is a sampler of the height field.
-pub fn gradient_of<'m>(
-    oracle: &mut Evaluator<'m>,
-    f: &Callable<'m>,
+/// A sampler's derivative of order (i, j) by x and y; none is 0.
+fn partial(b: Builtin, order: [u32; 2]) -> Option<(Intrinsic, usize)> {
+    Some(match (b, order) {
+        (Builtin::Nearest, [0, 0]) => (Intrinsic::Nearest, 0),
+        (Builtin::Triangulated, [0, 0]) => (Intrinsic::Triangulated, 0),
+        (Builtin::Triangulated, [1, 0]) => (Intrinsic::GradientTriangulated, 0),
+        (Builtin::Triangulated, [0, 1]) => (Intrinsic::GradientTriangulated, 1),
+        (Builtin::Bilinear, [0, 0]) => (Intrinsic::Bilinear, 0),
+        (Builtin::Bilinear, [1, 0]) => (Intrinsic::GradientBilinear, 0),
+        (Builtin::Bilinear, [0, 1]) => (Intrinsic::GradientBilinear, 1),
+        (Builtin::Bilinear, [1, 1]) => (Intrinsic::TwistBilinear, 0),
+        _ => return None,
+    })
+}
+
+/// A sampler, or a derivative of it, at a position that may be a dual: its slope is made of the next derivatives.
+fn sample<'m>(
+    oracle: &Evaluator<'m>,
+    b: Builtin,
+    order: [u32; 2],
     p: &Datum<'m>,
-) -> Result<Option<Datum<'m>>, RunError> {
-    let Some(surface) = sampler(oracle, f)? else { return Ok(None) };
-    let row = ON_SURFACES.iter().find(|(row, on, _)| *row == Builtin::Gradient && *on == surface);
-    let Some((.., intrinsic)) = row else { return Ok(None) };
-    let values = ask(oracle, *intrinsic, std::slice::from_ref(p))?;
-    Ok(Some(Datum::vec(&values)))
+) -> Result<Datum<'m>, RunError> {
+    let level = p.level();
+    let (p, slope) = p.split(level);
+    let Some(slope) = slope.filter(|_| level > 0) else {
+        return Ok(Datum::F32(match partial(b, order) {
+            Some((intrinsic, at)) => ask(oracle, intrinsic, &[p])?[at],
+            None => 0.0,
+        }));
+    };
+    let value = sample(oracle, b, order, &p)?;
+    let mut sum = Datum::F32(0.0);
+    for (axis, next) in [[order[0] + 1, order[1]], [order[0], order[1] + 1]].into_iter().enumerate() {
+        let along = slope.linear(|d| Ok(Datum::F32(d.floats()?.slice()[axis])))?;
+        let steep = sample(oracle, b, next, &p)?;
+        let term = operator::binary(oracle.precision, BinaryOp::Mul, &steep, &along)?;
+        sum = operator::binary(oracle.precision, BinaryOp::Add, &sum, &term)?;
+    }
+    Ok(Datum::dual(level, value, sum))
 }
 
 /// A data layer at a position.
 pub fn raster<'m>(oracle: &Evaluator<'m>, id: RasterId, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
+    if dual::highest(args) > 0 {
+        return Err(RunError::Unsupported("a derivative that needs that of a data layer".into()));
+    }
     let definition = &oracle.module.rasters[id.0 as usize];
     let components = layout::scalars(oracle.module, &definition.ty).map_or(0, |s| s.len());
     let intrinsic = Intrinsic::raster(components)
@@ -86,7 +120,7 @@ fn ask<'m>(oracle: &Evaluator<'m>, intrinsic: Intrinsic, args: &[Datum<'m>]) -> 
     })?;
     let mut operands = Vec::new();
     for arg in args {
-        operands.extend_from_slice(arg.floats()?.slice());
+        operands.extend_from_slice(arg.plain().floats()?.slice());
     }
     let mut results = vec![0.0; intrinsic.results().len()];
     match oracle.precision {

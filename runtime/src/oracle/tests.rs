@@ -1,5 +1,7 @@
 //! Programs whose values are known, limits, and single precision against the twin to the bit.
 
+mod derivatives;
+
 use std::time::Duration;
 
 use ghyll_compiler::compile::{self, Compiled, compile};

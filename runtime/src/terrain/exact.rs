@@ -86,6 +86,12 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// 1 where the surface follows the position along the axis, 0 beyond the rim.
+    fn inside(&self, x: f64, y: f64) -> [f64; 2] {
+        let within = |axis: usize, w: f64| (0.0..=self.cells()[axis] * self.spacing[axis]).contains(&w);
+        [within(0, x), within(1, y)].map(|inside| f64::from(u8::from(inside)))
+    }
+
     /// Metres per metre.
     pub fn gradient(&self, surface: Surface, x: f64, y: f64) -> [f64; 2] {
         let (c, u, v) = self.locate(x, y);
@@ -97,7 +103,15 @@ impl<'a> Field<'a> {
             Surface::Triangulated if u >= v => [c.se - c.sw, c.ne - c.se],
             Surface::Triangulated => [c.ne - c.nw, c.nw - c.sw],
         };
-        [east / self.spacing[0], north / self.spacing[1]]
+        let [inside_x, inside_y] = self.inside(x, y);
+        [inside_x * east / self.spacing[0], inside_y * north / self.spacing[1]]
+    }
+
+    /// The bilinear surface's second derivative by x and y.
+    pub fn twist(&self, x: f64, y: f64) -> f64 {
+        let (c, ..) = self.locate(x, y);
+        let [inside_x, inside_y] = self.inside(x, y);
+        inside_x * inside_y * (c.sw - c.se - c.nw + c.ne) / (self.spacing[0] * self.spacing[1])
     }
 
     /// First t in [near, far] where the ray is over the field and on or under the surface.

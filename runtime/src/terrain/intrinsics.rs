@@ -81,6 +81,7 @@ impl Scene {
                 give(out, &field.gradient(Surface::Triangulated, args[0], args[1]));
             }
             Intrinsic::GradientBilinear => give(out, &field.gradient(Surface::Bilinear, args[0], args[1])),
+            Intrinsic::TwistBilinear => give(out, &[field.twist(args[0], args[1])]),
             Intrinsic::TraceTriangulated => give(out, &trace(Surface::Triangulated)),
             Intrinsic::TraceBilinear => give(out, &trace(Surface::Bilinear)),
             Intrinsic::OccludedTriangulated => give(out, &trace(Surface::Triangulated)[..1]),
@@ -142,6 +143,7 @@ fn evaluate<H: Heights>(
         Intrinsic::GradientBilinear => {
             floats(out, &surface::gradient_bilinear(scene, heights, arg(0), arg(1)));
         }
+        Intrinsic::TwistBilinear => floats(out, &[surface::twist_bilinear(scene, heights, arg(0), arg(1))]),
         Intrinsic::TraceTriangulated => found(out, walk::trace::<H, Triangulated>(scene, heights, &ray())),
         Intrinsic::TraceBilinear => found(out, walk::trace::<H, Bilinear>(scene, heights, &ray())),
         Intrinsic::OccludedTriangulated => {

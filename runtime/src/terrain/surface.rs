@@ -48,16 +48,29 @@ pub(super) fn nearest<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: 
     (if raw == VOID_F32 { scene.raw_relief[0] } else { raw }) * scene.z_scale + scene.z_offset
 }
 
-/// Metres per metre.
-fn slope(scene: &SceneUniform, east: f32, north: f32) -> [f32; 2] {
-    [east * scene.z_scale * scene.inverse_spacing[0], north * scene.z_scale * scene.inverse_spacing[1]]
+/// Metres per metre; 0 along an axis where the position is beyond the rim.
+fn slope(scene: &SceneUniform, x: f32, y: f32, east: f32, north: f32) -> [f32; 2] {
+    let across = |axis: usize, w: f32, raw: f32| {
+        let inside = w >= 0.0 && w <= scene.cells()[axis] as f32 * scene.spacing[axis];
+        if inside { raw * scene.z_scale * scene.inverse_spacing[axis] } else { 0.0 }
+    };
+    [across(0, x, east), across(1, y, north)]
 }
 
 pub(super) fn gradient_bilinear<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> [f32; 2] {
     let Cell { corners: c, u, v } = locate(scene, heights, x, y);
     let east = (c.se - c.sw) * (1.0 - v) + (c.ne - c.nw) * v;
     let north = (c.nw - c.sw) * (1.0 - u) + (c.ne - c.se) * u;
-    slope(scene, east, north)
+    slope(scene, x, y, east, north)
+}
+
+/// Second derivative by x and y.
+pub(super) fn twist_bilinear<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> f32 {
+    let Cell { corners: c, .. } = locate(scene, heights, x, y);
+    let twist = (c.ne - c.nw) - (c.se - c.sw);
+    let [across, _] = slope(scene, x, y, twist, 0.0);
+    let [_, along] = slope(scene, x, y, 0.0, scene.z_inverse_scale);
+    across * along
 }
 
 pub(super) fn gradient_triangulated<H: Heights>(
@@ -67,5 +80,6 @@ pub(super) fn gradient_triangulated<H: Heights>(
     y: f32,
 ) -> [f32; 2] {
     let Cell { corners: c, u, v } = locate(scene, heights, x, y);
-    if u >= v { slope(scene, c.se - c.sw, c.ne - c.se) } else { slope(scene, c.ne - c.nw, c.nw - c.sw) }
+    let [east, north] = if u >= v { [c.se - c.sw, c.ne - c.se] } else { [c.ne - c.nw, c.nw - c.sw] };
+    slope(scene, x, y, east, north)
 }

@@ -67,6 +67,7 @@ const PIECES: &[Piece] = pieces! {
     "bilinear" "bilinear" ["cell" "height_bilinear"];
     "gradient_triangulated" "gradient_triangulated" ["cell" "slope"];
     "gradient_bilinear" "gradient_bilinear" ["cell" "slope"];
+    "twist_bilinear" "twist_bilinear" ["cell" "slope"];
     "trace_triangulated" "trace" ["walk_triangulated"];
     "trace_bilinear" "trace" ["walk_bilinear"];
     "occluded_triangulated" "occluded" ["walk_triangulated"];

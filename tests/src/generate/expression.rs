@@ -40,6 +40,11 @@ impl Scope {
         format!("v{}", self.locals.len())
     }
 
+    /// One more node.
+    pub fn count(&mut self) {
+        self.cost += self.weight;
+    }
+
     fn affords(&self, cost: f64) -> bool {
         self.cost + self.weight * cost < COST_LIMIT
     }
@@ -79,7 +84,7 @@ impl Generator<'_> {
 
     // ---- leaves ----
 
-    fn leaf(&mut self, ty: &Type, scope: &mut Scope) -> String {
+    pub(super) fn leaf(&mut self, ty: &Type, scope: &mut Scope) -> String {
         let known: Vec<usize> = (0..scope.locals.len()).filter(|i| scope.locals[*i] == *ty).collect();
         if !known.is_empty() && !self.genes.chance(25) {
             return format!("v{}", self.genes.one(&known));
@@ -152,7 +157,8 @@ impl Generator<'_> {
             Type::Bool => self.condition(depth, scope),
             Type::Vec2 => {
                 let (a, b) = self.two(&Type::Vec2, depth, scope);
-                match self.genes.pick(5) {
+                match self.genes.pick(6) {
+                    5 => self.gradient(depth, scope),
                     0 => format!("({a}).yx"),
                     1 => format!("grid2(({a}) + ({b}))"),
                     2 => format!("grid2(({a}) - ({b}))"),
@@ -194,7 +200,8 @@ impl Generator<'_> {
     }
 
     fn float(&mut self, depth: usize, scope: &mut Scope) -> String {
-        match self.genes.pick(9) {
+        match self.genes.pick(10) {
+            9 => self.derivative(depth, scope),
             6 => format!("grid(f32({}))", self.expression(&Type::I32, depth - 1, scope)),
             7 => format!("grid(sqrt(abs({})))", self.expression(&Type::F32, depth - 1, scope)),
             8 => format!("f32({})", self.expression(&Type::Bool, depth - 1, scope)),

@@ -9,6 +9,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 const TEXT: &str = include_str!("../../../../../../benches/overhead/kernel.wgsl");
 /// What the kernel calls.
 const INTRINSICS: &[Intrinsic] = &[
+    Intrinsic::Extent,
     Intrinsic::Texel,
     Intrinsic::Relief,
     Intrinsic::Bilinear,

@@ -1,0 +1,198 @@
+//! Exact derivatives in forward mode: core functions whose words carry their slopes along.
+//!
+//! Lowering leaves a hole in the program for each `grad(f)` and `deriv(f)` that is applied; [`fill`] writes the function
+//! that belongs there. A *derived function* computes what the function does and, for each result that depends on
+//! an operand that moves, its slope in one or two directions: its parameters are the function's and then the slopes
+//! of those that move, its results the function's and then the slopes of those that move.
+//!
+//! Which words move in which direction is found first (`activity`), so integers, captured values, parameters of the
+//! program and whatever else stands still cost nothing. `rules` is the table of operations, `surfaces` that of
+//! intrinsics, `transform` writes the functions. Later passes remove the values that only the slopes did not need.
+//!
+//! Branches are those that the function takes. Where a function has a kink, the slope is that of the operand which
+//! gives the value: `min(a, b)`, `max(a, b)` and so `clamp` take `a` where both are equal; `abs` is flat at 0.
+//! `floor ceil round trunc sign step`, comparisons, conversions to integers and bit patterns are flat everywhere.
+//! Where the slope is infinite (`sqrt` at 0) it is what IEEE arithmetic gives.
+
+mod activity;
+mod rules;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod transform;
+
+use std::collections::{HashMap, HashSet};
+
+use crate::codes;
+use crate::core::walk::{calls, size};
+use crate::core::{FnId, Function};
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use activity::{Activity, Mask};
+use rules::{RULES, Rules};
+
+/// A hole in the program: the slopes of `base`'s only result along its last parameters, one direction each.
+#[derive(Clone, Debug)]
+pub struct Request {
+    pub hole: FnId,
+    pub base: FnId,
+    /// Parameters that move, 1 or 2; those before them stand still.
+    pub directions: usize,
+    /// The expression that asks for the derivative.
+    pub span: Span,
+}
+
+/// Derivatives of derivatives of .. may not multiply a program beyond so many statements.
+const STATEMENT_LIMIT: usize = 400_000;
+
+/// Writes the requested functions and those they call.
+pub fn fill(functions: &mut Vec<Option<Function>>, requests: &[Request]) -> Result<(), Vec<Diagnostic>> {
+    fill_by(RULES, functions, requests)
+}
+
+fn fill_by(
+    rules: &'static Rules,
+    functions: &mut Vec<Option<Function>>,
+    requests: &[Request],
+) -> Result<(), Vec<Diagnostic>> {
+    let mut derive = Derive {
+        rules,
+        functions,
+        requests: requests.iter().map(|r| (r.hole, r)).collect(),
+        open: HashSet::new(),
+        activity: Activity::default(),
+        derived: HashMap::new(),
+        queue: Vec::new(),
+        names: HashSet::new(),
+        statements: 0,
+        span: None,
+        errors: Vec::new(),
+    };
+    derive.names = derive.functions.iter().flatten().map(|f| f.name.clone()).collect();
+    for request in requests {
+        derive.request(request);
+    }
+    if derive.errors.is_empty() { Ok(()) } else { Err(derive.errors) }
+}
+
+/// A function and what moves among its parameters.
+type Key = (FnId, Vec<Mask>);
+
+struct Derive<'a> {
+    rules: &'static Rules,
+    functions: &'a mut Vec<Option<Function>>,
+    requests: HashMap<FnId, &'a Request>,
+    /// Requests whose function is being made ready.
+    open: HashSet<FnId>,
+    activity: Activity,
+    derived: HashMap<Key, FnId>,
+    /// Derived functions that are called but not written yet.
+    queue: Vec<Key>,
+    names: HashSet<String>,
+    statements: usize,
+    /// The request that is being served.
+    span: Option<Span>,
+    errors: Vec<Diagnostic>,
+}
+
+impl Derive<'_> {
+    fn request(&mut self, request: &Request) {
+        if self.functions[request.hole.0 as usize].is_some() || !self.errors.is_empty() {
+            return;
+        }
+        if !self.open.insert(request.hole) {
+            return self.endless(request);
+        }
+        for inner in self.holes_below(request.base) {
+            let inner = self.requests[&inner];
+            self.request(inner);
+        }
+        if !self.errors.is_empty() {
+            return;
+        }
+        self.span = Some(request.span);
+        let base = self.functions[request.base.0 as usize].clone().expect("the holes below are filled");
+        let still = base.params.len() - request.directions;
+        let moving = (0..base.params.len()).map(|i| if i < still { 0 } else { 1 << (i - still) }).collect();
+        let function = transform::slopes(self, &base, moving);
+        self.put(request.hole, function);
+        while let Some((id, moving)) = self.queue.pop()
+            && self.errors.is_empty()
+        {
+            let base = self.functions[id.0 as usize].clone().expect("the holes below are filled");
+            let hole = self.derived[&(id, moving.clone())];
+            let function = transform::with_slopes(self, &base, moving);
+            self.put(hole, function);
+        }
+        self.open.remove(&request.hole);
+    }
+
+    fn put(&mut self, hole: FnId, function: Function) {
+        self.statements += size(&function.body.stmts);
+        if self.statements > STATEMENT_LIMIT
+            && let Some(span) = self.span
+        {
+            self.error(
+                Diagnostic::error(
+                    codes::TOO_MUCH_CODE,
+                    span,
+                    "the program is too large once it is differentiated",
+                )
+                .label(format!("more than {STATEMENT_LIMIT} operations"))
+                .help("each derivative of a derivative multiplies the code: take fewer of them"),
+            );
+        }
+        self.functions[hole.0 as usize] = Some(function);
+    }
+
+    /// Unfilled requests that a function reaches, in the order of their calls.
+    fn holes_below(&self, base: FnId) -> Vec<FnId> {
+        let mut seen = HashSet::from([base]);
+        let (mut pending, mut holes) = (vec![base], Vec::new());
+        while let Some(id) = pending.pop() {
+            match &self.functions[id.0 as usize] {
+                Some(f) => pending.extend(calls(&f.body.stmts).into_iter().filter(|id| seen.insert(*id))),
+                None => holes.push(id),
+            }
+        }
+        holes
+    }
+
+    /// The derived function for a call, written later if it is new.
+    fn derived(&mut self, id: FnId, moving: Vec<Mask>) -> FnId {
+        let key = (id, moving);
+        if let Some(known) = self.derived.get(&key) {
+            return *known;
+        }
+        let hole = FnId(self.functions.len() as u32);
+        self.functions.push(None);
+        self.derived.insert(key.clone(), hole);
+        self.queue.push(key);
+        hole
+    }
+
+    fn fresh_name(&mut self, base: &str) -> String {
+        crate::split::lift::fresh_name(&mut self.names, base)
+    }
+
+    fn error(&mut self, diagnostic: Diagnostic) {
+        if !self.errors.iter().any(|e| e.code == diagnostic.code && e.primary.0 == diagnostic.primary.0) {
+            self.errors.push(diagnostic);
+        }
+    }
+
+    fn endless(&mut self, request: &Request) {
+        let base = self.functions[request.base.0 as usize].as_ref();
+        let name = base.map_or("this function", |f| &f.name);
+        let diagnostic = Diagnostic::error(
+            codes::ENDLESS_DERIVATIVE,
+            request.span,
+            format!("the derivative of `{name}` needs its own derivative, without end"),
+        );
+        self.error(
+            diagnostic
+                .label("the function that is differentiated takes this derivative of itself")
+                .help("let the function take the derivative of another function that does not call it"),
+        );
+    }
+}

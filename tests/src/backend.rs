@@ -1,4 +1,6 @@
-//! The only file of the suite that knows the interface of the runtime.
+//! The only part of the suite that knows the interface of the runtime.
+
+mod together;
 
 use crate::case::{self, Call, Program, Render, Settings};
 use crate::judge::{Answer, Backend, Failure, Picture};
@@ -30,6 +32,8 @@ pub struct Ghyll {
     gpu: Option<Gpu>,
     /// What was compiled last: the modes of a case ask for the same program one after the other.
     recent: Mutex<VecDeque<Recent>>,
+    /// Programs that share a table on the GPU.
+    groups: Vec<together::Group>,
 }
 
 /// How many compiled programs are kept.
@@ -56,11 +60,15 @@ impl Ghyll {
     pub fn open() -> (Ghyll, Result<String, String>) {
         match Gpu::new(&GpuOptions::default()) {
             Ok(gpu) => {
-                let (name, backend) = (gpu.info().name.clone(), gpu.info().backend.clone());
-                (Ghyll { gpu: Some(gpu), recent: Mutex::default() }, Ok(format!("{name} ({backend})")))
+                let told = format!("{} ({})", gpu.info().name, gpu.info().backend);
+                (Ghyll::with(Some(gpu)), Ok(told))
             }
-            Err(error) => (Ghyll { gpu: None, recent: Mutex::default() }, Err(error.to_string())),
+            Err(error) => (Ghyll::with(None), Err(error.to_string())),
         }
+    }
+
+    fn with(gpu: Option<Gpu>) -> Ghyll {
+        Ghyll { gpu, recent: Mutex::default(), groups: Vec::new() }
     }
 
     /// Whether the mode can be run on this machine.
@@ -122,7 +130,15 @@ impl Backend for Ghyll {
             }
             let same: Vec<usize> =
                 (first..calls.len()).filter(|i| calls[*i].entry == calls[first].entry).collect();
-            match self.ready(Wanted::value(program, settings, &calls[first].entry)) {
+            let wanted = Wanted::value(program, settings, &calls[first].entry);
+            let asked: Vec<&Call> = same.iter().map(|i| &calls[*i]).collect();
+            if let Some(found) = self.answer_together(&wanted, mode, &asked) {
+                for (index, answer) in same.iter().zip(found) {
+                    answers[*index] = Some(answer);
+                }
+                continue;
+            }
+            match self.ready(wanted) {
                 Ok(ready) => {
                     let args: Vec<&[String]> = same.iter().map(|i| calls[*i].args.as_slice()).collect();
                     let found = self.run_entry(&ready, settings, mode, &args);

@@ -6,7 +6,6 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`backend`] | the only file that knows the interface of the runtime |
 //! | [`case`] | what a case file says, and the reader that refuses what it does not know |
 //! | [`value`] | values in Ghyll syntax and when two of them agree |
 //! | [`mode`] | THE table of machines and settings a case runs on |

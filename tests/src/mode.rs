@@ -1,7 +1,9 @@
 //! THE table of modes: the machines and settings that a case runs on.
 //!
-//! A new pipeline costs a software adapter up to 300 ms, so only one GPU mode is asked of every case; the rest run
-//! where a case says `modes all`.
+//! A case that names no modes runs on the usual ones and on one GPU mode more, in turn, so that each topic meets all
+//! of them ([`Mode::in_turn`]). `GHYLL_ALL_MODES=1` asks every mode of every case.
+
+use crate::case::{Case, Expectation};
 
 macro_rules! modes {
     ($($id:ident $name:literal $family:literal $always:literal;)*) => {
@@ -62,7 +64,80 @@ impl Mode {
         (!chosen.is_empty()).then_some(chosen)
     }
 
+    /// The first mode whose shaders are the same for every program.
+    pub fn kernels(self) -> Mode {
+        match self {
+            Mode::GpuLane | Mode::GpuTinyArena => Mode::GpuAuto,
+            _ => self,
+        }
+    }
+
+    /// GPU modes that not every case is run in.
+    fn further() -> Vec<Mode> {
+        Mode::ALL.iter().copied().filter(|m| m.is_gpu() && !m.always()).collect()
+    }
+
+    /// Adds to the cases of the usual modes one further mode each, in turn, as many as the topic needs to meet all of
+    /// them. What ends in a failure or is measured depends on the mode, so such a case names its modes itself.
+    pub fn in_turn(cases: &mut [Case], all: bool) {
+        let further = Mode::further();
+        let measured = |c: &Case| {
+            let depends =
+                |e: &Expectation| matches!(e, Expectation::Fails { .. } | Expectation::Rounds { .. });
+            c.settings.memory.is_some() || c.settings.timeout.is_some() || c.expectations.iter().any(depends)
+        };
+        let takes_turns = |c: &Case| crate::judge::runs(c) && c.modes == Mode::usual() && !measured(c);
+        for topic in cases.chunk_by_mut(|a, b| a.topic == b.topic) {
+            let mut chosen: Vec<&mut Case> = topic.iter_mut().filter(|c| takes_turns(c)).collect();
+            let count = chosen.len();
+            for turn in 0..further.len().max(count) {
+                if let Some(case) = chosen.get_mut(turn % count.max(1)) {
+                    case.modes.push(further[turn % further.len()]);
+                }
+            }
+            if all {
+                chosen.iter_mut().for_each(|case| case.modes = Mode::ALL.to_vec());
+            }
+        }
+    }
+
     pub fn usual() -> Vec<Mode> {
         Mode::ALL.iter().copied().filter(|m| m.always()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::parse;
+
+    fn cases(count: usize) -> Vec<Case> {
+        let one = |i| format!("//# case c{i}\n//# run main() => 1\nfn main() -> i32 = 1;\n");
+        let text: String = (0..count).map(one).collect();
+        parse("a/b", &text).expect("sound headers")
+    }
+
+    #[test]
+    fn every_topic_meets_every_mode() {
+        for count in [1, 2, 5, 17] {
+            let mut cases = cases(count);
+            Mode::in_turn(&mut cases, false);
+            for mode in Mode::further() {
+                assert!(cases.iter().any(|c| c.modes.contains(&mode)), "{count} cases lack {}", mode.name());
+            }
+            let least = Mode::usual().len() + 1;
+            assert!(cases.iter().all(|c| c.modes.len() >= least && c.modes.starts_with(&Mode::usual())));
+        }
+    }
+
+    #[test]
+    fn named_modes_stay_and_all_is_all() {
+        let text = "//# case a\n//# run main() => 1\n//# modes cpu\nfn main() -> i32 = 1;\n";
+        let mut named = parse("a/b", text).expect("sound headers");
+        Mode::in_turn(&mut named, true);
+        assert_eq!(named[0].modes, Mode::named("cpu").expect("a family"));
+        let mut usual = cases(2);
+        Mode::in_turn(&mut usual, true);
+        assert!(usual.iter().all(|c| c.modes == Mode::ALL));
     }
 }

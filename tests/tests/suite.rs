@@ -10,8 +10,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 fn main() {
-    let (cases, errors) = case::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("suite"));
-    let (backend, adapter) = Ghyll::open();
+    let arguments = Arguments::from_args();
+    let (mut cases, errors) = case::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("suite"));
+    Mode::in_turn(&mut cases, flag("GHYLL_ALL_MODES"));
+    let (mut backend, adapter) = Ghyll::open();
+    // A few cases are run by themselves, so that what is seen is what a program of its own does.
+    if arguments.filter.is_none() && !arguments.list && !flag("GHYLL_ALONE") && adapter.is_ok() {
+        backend.gather(&cases);
+    }
     let backend = Arc::new(backend);
     let count = cases.len();
     let mut trials = vec![
@@ -32,13 +38,17 @@ fn main() {
     for case in cases {
         trials.extend(trials_of(Arc::new(case), &backend));
     }
-    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+    libtest_mimic::run(&arguments, trials).exit();
+}
+
+fn flag(name: &str) -> bool {
+    std::env::var_os(name).is_some_and(|v| v != "0")
 }
 
 /// Says which adapter the trials reach; without one this fails where an adapter is required, else it is ignored like
 /// all trials on the GPU.
 fn adapter_trial(adapter: Result<String, String>) -> Trial {
-    let required = std::env::var_os("GHYLL_REQUIRE_GPU").is_some_and(|v| v != "0");
+    let required = flag("GHYLL_REQUIRE_GPU");
     match &adapter {
         Ok(name) => println!("adapter: {name}"),
         Err(reason) => println!("adapter: none ({reason}); the GPU's trials are ignored"),

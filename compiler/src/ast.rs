@@ -186,6 +186,41 @@ pub enum Operator {
     Plain(crate::typed::BinaryOp),
 }
 
+impl Operator {
+    /// How tightly it binds; all associate to the left.
+    pub fn precedence(self) -> u8 {
+        use crate::typed::BinaryOp::*;
+        match self {
+            Operator::Pipe => 1,
+            Operator::Or => 2,
+            Operator::And => 3,
+            Operator::Plain(Eq | Ne | Lt | Le | Gt | Ge) => 4,
+            Operator::Plain(BitOr) => 5,
+            Operator::Plain(BitXor) => 6,
+            Operator::Plain(BitAnd) => 7,
+            Operator::Plain(Shl | Shr) => 8,
+            Operator::Plain(Add | Sub) => 9,
+            Operator::Plain(Mul | Div | Rem) => 10,
+        }
+    }
+
+    /// Comparisons are not chained.
+    pub fn is_comparison(self) -> bool {
+        use crate::typed::BinaryOp::*;
+        matches!(self, Operator::Plain(Eq | Ne | Lt | Le | Gt | Ge))
+    }
+
+    /// As it is written.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Operator::Pipe => "|>",
+            Operator::Or => "||",
+            Operator::And => "&&",
+            Operator::Plain(op) => op.symbol(),
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Argument {
     pub name: Option<Name>,

@@ -27,6 +27,7 @@ pub mod library;
 pub mod lower;
 pub mod optimise;
 pub mod parse;
+pub mod print;
 pub mod report;
 mod resolve;
 pub use resolve::similar;

@@ -12,6 +12,7 @@ use ghyll_compiler::front::Checked;
 use ghyll_compiler::interpret::NoHost;
 use ghyll_compiler::source::{Files, Source, SourceId};
 use ghyll_compiler::stream;
+use ghyll_compiler::table::Table;
 use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::error::RunError;
 use ghyll_runtime::gpu::{Gpu, GpuOptions};
@@ -34,6 +35,8 @@ pub struct Ghyll {
     recent: Mutex<VecDeque<Recent>>,
     /// Programs that share a table on the GPU.
     groups: Vec<together::Group>,
+    /// A wrong step of the compiler, for tests of what looks for one.
+    plant: Option<fn(&mut Table)>,
 }
 
 /// How many compiled programs are kept.
@@ -68,7 +71,12 @@ impl Ghyll {
     }
 
     fn with(gpu: Option<Gpu>) -> Ghyll {
-        Ghyll { gpu, recent: Mutex::default(), groups: Vec::new() }
+        Ghyll { gpu, recent: Mutex::default(), groups: Vec::new(), plant: None }
+    }
+
+    /// Without an adapter, and with a wrong step at the end of the compiler.
+    pub fn planted(plant: fn(&mut Table)) -> Ghyll {
+        Ghyll { plant: Some(plant), ..Ghyll::with(None) }
     }
 
     /// Whether the mode can be run on this machine.
@@ -84,7 +92,10 @@ impl Ghyll {
         if let Some(ready) = kept(&lock()) {
             return ready;
         }
-        let ready = Ready::compile(&wanted).map(Arc::new);
+        let ready = Ready::compile(&wanted).map(|mut ready| {
+            self.plant.iter().for_each(|plant| plant(&mut ready.compiled.back.table));
+            Arc::new(ready)
+        });
         let mut recent = lock();
         recent.push_front((wanted, ready.clone()));
         recent.truncate(RECENT);

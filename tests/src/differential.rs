@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 /// How many programs share one file.
 pub const BATCH: usize = 25;
 
+/// Of so many files one goes to the GPU, in one of its modes: its shader takes most of the time.
+const GPU_TURN: usize = 8;
+
 /// How long a program is made smaller.
 const SHRINKING: Duration = Duration::from_secs(60);
 
@@ -33,7 +36,8 @@ pub struct Difference {
     pub text: String,
 }
 
-/// Compares every mode with the oracle in single precision, to the bit, on `programs` random programs.
+/// Compares every mode with the oracle in single precision, to the bit, on `programs` random programs. The modes of
+/// the GPU take turns.
 pub fn search(
     backend: &dyn Backend,
     modes: &[Mode],
@@ -42,10 +46,13 @@ pub fn search(
 ) -> Result<(), Box<Difference>> {
     let mut runner = TestRunner::new_with_rng(Config::default(), generator(seed));
     let strategy = genes();
-    for _ in 0..programs.div_ceil(BATCH) {
+    let (on_gpu, others): (Vec<Mode>, Vec<Mode>) = modes.iter().partition(|mode| mode.is_gpu());
+    for file in 0..programs.div_ceil(BATCH) {
         let draw = |_| strategy.new_tree(&mut runner).expect("lists of numbers are never rejected").current();
         let lists: Vec<Vec<u32>> = (0..BATCH).map(draw).collect();
-        for mode in modes {
+        let turn = file / GPU_TURN % on_gpu.len().max(1);
+        let gpu = on_gpu.get(turn).filter(|_| file % GPU_TURN == 0);
+        for mode in others.iter().chain(gpu) {
             if let Some((index, told)) = compare(backend, *mode, &lists) {
                 let guilty = guilty(backend, *mode, &lists, index);
                 return Err(Box::new(shrink(backend, *mode, lists[guilty].clone(), told)));
@@ -162,8 +169,11 @@ fn reduce(mut genes: Vec<u32>, mut fails: impl FnMut(&[u32]) -> bool) -> Vec<u32
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::Ghyll;
     use crate::case::Diagnostic;
     use crate::judge::Picture;
+    use ghyll_compiler::core::{Op, Prim, Scalar, Stmt};
+    use ghyll_compiler::table::{Table, Tail, TailBlock};
 
     /// Answers alike in every mode, but wrongly on the CPU where an entry's text holds the word.
     struct Planted(&'static str);
@@ -214,7 +224,36 @@ mod tests {
         assert_eq!(found.mode, Mode::CpuAuto);
         assert!(found.told.contains("1.0000001"), "{}", found.told);
         assert!(found.text.contains("fold("));
-        assert!(found.text.len() < 1200, "not shrunk: {}", found.text);
+        assert!(found.text.len() < 1200 + batch(&[]).len(), "not shrunk: {}", found.text);
+    }
+
+    fn subtract_the_other_way(table: &mut Table) {
+        fn change(stmts: &mut [Stmt]) {
+            for stmt in stmts {
+                if let Op::Prim(Prim::Sub, Scalar::I32, operands) = &mut stmt.op {
+                    operands.reverse();
+                }
+                stmt.op.blocks_mut().into_iter().for_each(|block| change(&mut block.stmts));
+            }
+        }
+        fn tail(block: &mut TailBlock) {
+            change(&mut block.stmts);
+            if let Tail::If(_, yes, no) = &mut block.tail {
+                tail(yes);
+                tail(no);
+            }
+        }
+        table.helpers.iter_mut().for_each(|helper| change(&mut helper.body.stmts));
+        table.tasks.iter_mut().for_each(|task| tail(&mut task.body));
+    }
+
+    #[test]
+    fn a_wrong_step_of_the_compiler_is_found_and_shrunk() {
+        let ghyll = Ghyll::planted(subtract_the_other_way);
+        let found = search(&ghyll, &[Mode::CpuLane], 7, 200).expect_err("planted");
+        assert!(found.text.contains(" - "), "{}", found.text);
+        let own: usize = found.text.lines().filter(|l| l.contains("_0")).map(str::len).sum();
+        assert!(own < 400, "not shrunk: {}", found.text);
     }
 
     #[test]

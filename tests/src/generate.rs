@@ -10,6 +10,7 @@
 
 mod derivative;
 mod expression;
+mod forms;
 
 use expression::Scope;
 use std::fmt::Write;
@@ -99,7 +100,7 @@ pub const ENTRY_RESULT: &str = "(i32, f32, bool, u32)";
 
 /// Several programs in one: `main(k, a, x)` is `entry_k(a, x)`. One shader is compiled for all of them.
 pub fn batch(programs: &[String]) -> String {
-    let mut text = String::from(PRELUDE);
+    let mut text = [PRELUDE, forms::DEFINITIONS].concat();
     for program in programs {
         text.push_str(program);
     }
@@ -204,27 +205,36 @@ impl Generator<'_> {
         }
         let result = self.plain_type(2);
         let name = format!("f{index}_{}", self.id);
-        let mut scope = Scope::new(params.iter().cloned());
+        // Two functions may call each other instead of themselves.
+        let partner = format!("g{index}_{}", self.id);
+        let mutual = recursive && self.genes.chance(25);
         let mut body_cost = 0.0;
-        let body = if recursive {
-            // The parameters keep their names in both branches, so the scope is the same.
-            let stop = self.expression(&result, 2, &mut scope);
-            scope.own = Some((name.clone(), params.clone(), result.clone()));
-            let go_on = self.expression(&result, 4, &mut scope);
+        let mut calls = 1;
+        let mut bodies = Vec::new();
+        for own in if mutual { vec![&partner, &name] } else { vec![&name] } {
+            let mut scope = Scope::new(params.iter().cloned());
+            bodies.push(if recursive {
+                // The parameters keep their names in both branches, so the scope is the same.
+                let stop = self.expression(&result, 2, &mut scope);
+                scope.own = Some((own.clone(), params.clone(), result.clone()));
+                let go_on = self.expression(&result, 4, &mut scope);
+                format!("if v0 <= 0 {{ {stop} }} else {{ {go_on} }}")
+            } else {
+                self.expression(&result, 4, &mut scope)
+            });
             body_cost += scope.cost;
-            format!("if v0 <= 0 {{ {stop} }} else {{ {go_on} }}")
-        } else {
-            let body = self.expression(&result, 4, &mut scope);
-            body_cost += scope.cost;
-            body
-        };
-        let calls = if scope.own_calls > 1 { 1 << COUNTER_LIMIT } else { COUNTER_LIMIT };
+            calls = calls.max(scope.own_calls);
+        }
+        let calls = if calls > 1 { 1 << COUNTER_LIMIT } else { COUNTER_LIMIT };
         let cost = if recursive { body_cost * calls as f64 } else { body_cost };
         let mark = if self.genes.chance(40) { "@task " } else { "" };
         let list: Vec<String> =
             params.iter().enumerate().map(|(i, t)| format!("v{i}: {}", self.type_name(t))).collect();
         let result_name = self.type_name(&result);
-        let _ = writeln!(self.text, "{mark}fn {name}({}) -> {result_name} =\n    {body};", list.join(", "));
+        for (name, body) in [&name, &partner].iter().zip(bodies) {
+            let _ =
+                writeln!(self.text, "{mark}fn {name}({}) -> {result_name} =\n    {body};", list.join(", "));
+        }
         self.functions.push(Function { name, params, result, recursive, cost });
     }
 

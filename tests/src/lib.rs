@@ -7,6 +7,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`case`] | what a case file says, and the reader that refuses what it does not know |
+//! | [`corpus`] | every program of the repository |
 //! | [`value`] | values in Ghyll syntax and when two of them agree |
 //! | [`mode`] | THE table of machines and settings a case runs on |
 //! | [`judge`] | compares what a backend answers with what the case expects |
@@ -20,6 +21,7 @@
 
 pub mod backend;
 pub mod case;
+pub mod corpus;
 pub mod differential;
 pub mod generate;
 pub mod hunt;

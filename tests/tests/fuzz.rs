@@ -8,13 +8,14 @@ mod dems;
 #[path = "fuzz/programs.rs"]
 mod programs;
 
+use ghyll_tests::corpus::corpus;
 use ghyll_tests::hunt::Hunt;
 
 #[test]
 fn the_compiler_answers_every_text() {
     let hunt = Hunt::from_environment("compiler");
     println!("GHYLL_SEED={}", hunt.seed);
-    let corpus = programs::corpus();
+    let corpus = corpus();
     assert!(corpus.len() > 300, "only {} programs were found", corpus.len());
     match hunt.run(|random| programs::damaged(random, &corpus), programs::survive) {
         Ok(told) => println!("{told}"),

@@ -223,7 +223,7 @@ impl Infer<'_, '_> {
         shown: (String, String),
         span: Span,
     ) {
-        let symbol = symbol(op);
+        let symbol = op.symbol();
         let (l, r) = (quoted(&shown.0), quoted(&shown.1));
         let title = match op {
             BinaryOp::Eq | BinaryOp::Ne | BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge
@@ -317,27 +317,5 @@ impl Infer<'_, '_> {
             }
             _ => true,
         }
-    }
-}
-
-fn symbol(op: BinaryOp) -> &'static str {
-    use BinaryOp::*;
-    match op {
-        Add => "+",
-        Sub => "-",
-        Mul => "*",
-        Div => "/",
-        Rem => "%",
-        BitAnd => "&",
-        BitOr => "|",
-        BitXor => "^",
-        Shl => "<<",
-        Shr => ">>",
-        Eq => "==",
-        Ne => "!=",
-        Lt => "<",
-        Le => "<=",
-        Gt => ">",
-        Ge => ">=",
     }
 }

@@ -4,28 +4,9 @@ use super::Context;
 use crate::ast::{Expr, ExprKind, Operator};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::typed::BinaryOp::*;
 
 /// An operator with the bytes it covers.
 type Placed = (Operator, usize, usize);
-
-const COMPARISON: u8 = 4;
-
-/// How tightly an operator binds; all associate to the left.
-fn precedence(op: Operator) -> u8 {
-    match op {
-        Operator::Pipe => 1,
-        Operator::Or => 2,
-        Operator::And => 3,
-        Operator::Plain(Eq | Ne | Lt | Le | Gt | Ge) => COMPARISON,
-        Operator::Plain(BitOr) => 5,
-        Operator::Plain(BitXor) => 6,
-        Operator::Plain(BitAnd) => 7,
-        Operator::Plain(Shl | Shr) => 8,
-        Operator::Plain(Add | Sub) => 9,
-        Operator::Plain(Mul | Div | Rem) => 10,
-    }
-}
 
 impl Context<'_> {
     pub fn chain(&mut self, head: Vec<(Expr, Placed)>, last: Expr) -> Expr {
@@ -34,7 +15,7 @@ impl Context<'_> {
         for (operand, op) in head {
             operands.push(operand);
             while let Some(&waiting) = operators.last()
-                && precedence(waiting.0) >= precedence(op.0)
+                && waiting.0.precedence() >= op.0.precedence()
             {
                 self.check_chained(waiting, op);
                 operators.pop();
@@ -57,7 +38,7 @@ impl Context<'_> {
     }
 
     fn check_chained(&mut self, first: Placed, second: Placed) {
-        if precedence(first.0) != COMPARISON || precedence(second.0) != COMPARISON {
+        if !first.0.is_comparison() || !second.0.is_comparison() {
             return;
         }
         let (at, before) = (self.span(second.1, second.2), self.span(first.1, first.2));

@@ -24,7 +24,7 @@ impl Scope {
 
     /// Runs `inner` with more names bound, evaluated `times` times; the function itself is out of reach where that
     /// is more than once.
-    fn within<T>(&mut self, bound: &[Type], times: f64, inner: impl FnOnce(&mut Scope) -> T) -> T {
+    pub(super) fn within<T>(&mut self, bound: &[Type], times: f64, inner: impl FnOnce(&mut Scope) -> T) -> T {
         let (names, weight) = (self.locals.len(), self.weight);
         let own = if times > 1.0 { self.own.take() } else { None };
         self.locals.extend_from_slice(bound);
@@ -36,13 +36,17 @@ impl Scope {
         result
     }
 
-    fn next_name(&self) -> String {
+    pub(super) fn next_name(&self) -> String {
         format!("v{}", self.locals.len())
     }
 
     /// One more node.
     pub fn count(&mut self) {
         self.cost += self.weight;
+    }
+
+    pub(super) fn locals_len(&self) -> usize {
+        self.locals.len()
     }
 
     fn affords(&self, cost: f64) -> bool {
@@ -64,7 +68,7 @@ impl Generator<'_> {
                 self.leaf(ty, scope)
             };
         }
-        match self.genes.pick(13) {
+        match self.genes.pick(15) {
             0 => self.leaf(ty, scope),
             1..=4 => self.operation(ty, depth, scope),
             5 => {
@@ -78,6 +82,7 @@ impl Generator<'_> {
             8 | 9 => self.call(ty, depth, scope).unwrap_or_else(|| self.leaf(ty, scope)),
             10 => self.own_call(ty, depth, scope).unwrap_or_else(|| self.leaf(ty, scope)),
             11 => self.fold(ty, depth, scope),
+            12 | 13 => self.form(ty, depth, scope),
             _ => self.projection(ty, depth, scope),
         }
     }
@@ -116,7 +121,7 @@ impl Generator<'_> {
     }
 
     /// A tuple, array, struct or variant.
-    fn construction(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> String {
+    pub(super) fn construction(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> String {
         match ty {
             Type::Tuple(items) => format!("({})", self.arguments(items, depth, scope)),
             Type::Array(item) => {
@@ -178,7 +183,7 @@ impl Generator<'_> {
         }
     }
 
-    fn two(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> (String, String) {
+    pub(super) fn two(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> (String, String) {
         (self.expression(ty, depth - 1, scope), self.expression(ty, depth - 1, scope))
     }
 

@@ -12,7 +12,8 @@ use ghyll_compiler::core::walk::map_calls;
 use ghyll_compiler::core::{FnId, Stmt};
 use ghyll_compiler::table::{Table, Tail, TailBlock, TaskId, Token};
 use ghyll_compiler::wgsl;
-use ghyll_runtime::gpu::{Code, Engine};
+use ghyll_runtime::error::RunError;
+use ghyll_runtime::gpu::{Code, Engine, Outcome};
 use ghyll_runtime::value::Value;
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
@@ -26,10 +27,13 @@ pub(super) struct Group {
     members: Vec<Member>,
     code: OnceLock<(Code, Vec<u32>)>,
     /// Of every member, for each mode of [`Mode::ALL`]; made when first asked for.
-    answers: Vec<OnceLock<Vec<Answers>>>,
+    answers: Vec<OnceLock<Vec<Vec<Told>>>>,
 }
 
 type Answers = Vec<Result<Answer, Failure>>;
+
+/// Nothing where a call is to be made by itself: its loops need the program in another form.
+type Told = Option<Result<Answer, Failure>>;
 
 /// An entry of a case with what it is called with.
 struct Member {
@@ -123,16 +127,16 @@ impl Ghyll {
             let answers = &group.answers[mode as usize].get_or_init(|| self.run_group(group, mode))[index];
             let calls = calls.iter().map(|call| {
                 let at = group.members[index].calls.iter().position(|c| c == *call)?;
-                answers.get(at).cloned()
+                answers.get(at).cloned().flatten()
             });
             return calls.collect();
         }
         None
     }
 
-    fn run_group(&self, group: &Group, mode: Mode) -> Vec<Answers> {
+    fn run_group(&self, group: &Group, mode: Mode) -> Vec<Vec<Told>> {
         let all = |failure: &Failure| {
-            group.members.iter().map(|m| vec![Err(failure.clone()); m.calls.len()]).collect()
+            group.members.iter().map(|m| vec![Some(Err(failure.clone())); m.calls.len()]).collect()
         };
         let Some(gpu) = &self.gpu else { return all(&Failure::Run("no adapter".into())) };
         let (code, offsets) = group.code.get_or_init(|| code(&group.members));
@@ -161,11 +165,27 @@ impl Member {
         Member { wanted: self.wanted.clone(), calls: self.calls.clone(), modes, ready: self.ready.clone() }
     }
 
-    fn run(&self, engine: &mut Engine, offset: u32, call: &Call) -> Result<Answer, Failure> {
+    fn run(&self, engine: &mut Engine, offset: u32, call: &Call) -> Told {
+        let stream = match self.stream(offset, call) {
+            Ok(stream) => stream,
+            Err(failure) => return Some(Err(failure)),
+        };
+        match engine.run(&stream) {
+            Ok(outcome) => Some(self.answer(&outcome)),
+            Err(RunError::LoopTooLong { .. }) => None,
+            Err(error) => Some(Err(failure(error))),
+        }
+    }
+
+    fn stream(&self, offset: u32, call: &Call) -> Result<Vec<(u32, bool)>, Failure> {
         let ready = &self.ready;
         let mut stream = ready.job().stream(&ready.values(&call.args)?).map_err(failure)?;
         stream.iter_mut().filter(|(_, function)| *function).for_each(|(task, _)| *task += offset);
-        let outcome = engine.run(&stream).map_err(failure)?;
+        Ok(stream)
+    }
+
+    fn answer(&self, outcome: &Outcome) -> Result<Answer, Failure> {
+        let ready = &self.ready;
         let module = &ready.checked.module;
         let value = Value::unflatten(&outcome.words, &ready.compiled.result, module).map_err(failure)?;
         Ok(Answer { value: value.to_string(), rounds: Some(outcome.stats.rounds as u32) })

@@ -45,8 +45,9 @@ struct Member {
 
 /// Whether nothing of the case depends on what else is in its table.
 fn can_share(case: &Case) -> bool {
-    let Settings { set: _, live, dem, timeout, memory } = &case.settings;
-    let plain = live.is_empty() && dem.is_none() && timeout.is_none() && memory.is_none();
+    let Settings { set: _, live, dem, rasters, no_bake: _, timeout, memory } = &case.settings;
+    let scene = dem.is_some() || !rasters.is_empty();
+    let plain = live.is_empty() && !scene && timeout.is_none() && memory.is_none();
     let other = |e: &Expectation| {
         matches!(e, Expectation::Fails { .. } | Expectation::Rounds { .. } | Expectation::Render(_))
     };

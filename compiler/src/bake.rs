@@ -7,6 +7,7 @@ use crate::back::{self, Back};
 use crate::core::{self, Atom, Const, Op, Program};
 use crate::diagnostic::Diagnostic;
 use crate::front::walk::walk;
+use crate::lower::slot::fitting;
 use crate::lower::{self, Asked, Settings};
 use crate::typed::{Expr, ExprKind, FunctionId, Module};
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,6 +66,10 @@ fn reached(module: &Module, settings: &Settings, from: FunctionId) -> BTreeSet<F
             ExprKind::Param(id) if params.insert(*id) => {
                 let default = &module.params[id.0 as usize].default;
                 pending.push(settings.set.get(id).map_or(default, |setting| &setting.value));
+                if settings.live.contains(id) {
+                    let held = fitting(module, *id).filter(|function| found.insert(*function));
+                    pending.extend(held.map(|function| &module.functions[function.0 as usize].body));
+                }
             }
             ExprKind::Const(id) if consts.insert(*id) => pending.push(&module.consts[id.0 as usize].value),
             _ => {}

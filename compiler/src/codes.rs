@@ -122,7 +122,7 @@ codes! {
     UNUSED_NAME "W0603" "a name that nothing uses";
 
     TRACED_SURFACE "E0902" "tracing this surface is not supported yet";
-    LIVE_FUNCTION "E0906" "live function parameters are not supported yet";
+    LIVE_FUNCTION "E0906" "a live parameter whose functions cannot be replaced";
 }
 
 #[cfg(test)]

@@ -8,9 +8,9 @@ use crate::entry;
 use crate::front::{self, Checked, on_large_stack};
 use crate::infer::show::show_type;
 use crate::layout;
-use crate::lower::{self, Asked, Setting, Settings};
+use crate::lower::{self, Asked, Setting, Settings, Slot};
 use crate::source::{Files, NoFiles, Source};
-use crate::typed::{FunctionId, Literal, Module, Param, ParamId, RasterId, Type};
+use crate::typed::{Expr, ExprKind, FunctionId, Literal, Module, Param, ParamId, RasterId, Type};
 use std::collections::BTreeSet;
 
 pub use crate::entry::EntryKind;
@@ -49,6 +49,8 @@ pub struct Compiled {
     pub result: Type,
     /// For the oracle, which evaluates the typed tree.
     pub settings: Settings,
+    /// Live parameters of function type.
+    pub slots: Vec<Slot>,
     pub back: Back,
     /// Rasters that the entry or a bake reads, in order.
     pub rasters: Vec<RasterId>,
@@ -61,6 +63,13 @@ impl Compiled {
     /// Components of an image entry's value, 1 to 4; words of a value entry's.
     pub fn result_words(&self, module: &Module) -> u32 {
         layout::scalars(module, &self.result).map_or(0, |s| s.len() as u32)
+    }
+
+    /// The word of a slot for what it holds now.
+    pub fn slot_word(&self, module: &Module, slot: &Slot) -> u32 {
+        let setting = self.settings.set.get(&slot.param);
+        let name = setting.and_then(|setting| function_name(module, &setting.value));
+        name.and_then(|name| slot.word(name)).unwrap_or(slot.initial)
     }
 }
 
@@ -86,6 +95,7 @@ pub fn compile(checked: &Checked, options: &Options) -> Result<Compiled, Compile
     let asked = if kind == EntryKind::Map { Asked::ForSamples } else { Asked::Plainly };
     let (back, bakes) =
         on_large_stack(|| bake::backs(module, (entry, asked), &settings, bake)).map_err(report)?;
+    let slots = on_large_stack(|| lower::slots(module, &settings)).map_err(report)?;
     let function = &module.functions[entry.0 as usize];
     let all = bakes.iter().flat_map(|bake| bake.reads.iter().copied()).chain(bake::slots(&back.core));
     let rasters = all.filter(|slot| (*slot as usize) < module.rasters.len());
@@ -96,6 +106,7 @@ pub fn compile(checked: &Checked, options: &Options) -> Result<Compiled, Compile
         params: function.param_types().cloned().collect(),
         result: function.result.clone(),
         settings,
+        slots,
         rasters: rasters.into_iter().map(RasterId).collect(),
         bakes,
         back,
@@ -118,8 +129,27 @@ pub fn set_live(
             "the parameter `{name}` was fixed when the program was compiled; declare it live to change it"
         )));
     }
+    for slot in &compiled.slots {
+        let Some(setting) = changed.set.get(&slot.param) else { continue };
+        let word = function_name(&checked.module, &setting.value).and_then(|function| slot.word(function));
+        if word.is_none() {
+            let names = slot.names.join(", ");
+            return Err(CompileError::Request(format!(
+                "the parameter `{name}` can hold one of the functions {names}, not `{text}`"
+            )));
+        }
+    }
     compiled.settings.set.extend(changed.set);
     Ok(())
+}
+
+/// The name of a function that is given by its name.
+fn function_name<'a>(module: &'a Module, value: &Expr) -> Option<&'a str> {
+    match &value.kind {
+        ExprKind::Function(id, _) => Some(&module.functions[id.0 as usize].name),
+        ExprKind::Builtin(builtin) => Some(builtin.name()),
+        _ => None,
+    }
 }
 
 /// Parameters set from outside, checked.

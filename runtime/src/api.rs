@@ -203,6 +203,15 @@ settings! {
     &Value: |value| value.to_string();
 }
 
+/// A function of the program, by its name, as the value of a parameter.
+pub struct Function<'a>(pub &'a str);
+
+impl From<Function<'_>> for Setting {
+    fn from(function: Function) -> Setting {
+        Setting(function.0.to_string())
+    }
+}
+
 /// What a scene is made of.
 pub struct SceneBuilder<'a> {
     runtime: &'a Runtime,
@@ -363,3 +372,6 @@ impl Picture<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -284,6 +284,10 @@ impl Job<'_> {
         let options = self.oracle_options(oracle::Precision::F32, config);
         let mut words = Vec::new();
         for id in &self.compiled.settings.live {
+            if let Some(slot) = self.compiled.slots.iter().find(|slot| slot.param == *id) {
+                words.resize(words.len() + slot.words(), self.compiled.slot_word(module, slot));
+                continue;
+            }
             let value = oracle::parameter(module, *id, &options, self.world())?;
             words.extend(value.flatten(&module.params[id.0 as usize].ty, module)?);
         }

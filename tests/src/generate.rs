@@ -55,6 +55,20 @@ enum Type {
     Fn(Box<Type>),
 }
 
+impl Type {
+    /// Does a value of the type hold functions?
+    fn holds_function(&self, types: &Types) -> bool {
+        match self {
+            Type::Fn(_) => true,
+            Type::Tuple(items) => items.iter().any(|t| t.holds_function(types)),
+            Type::Array(item) => item.holds_function(types),
+            Type::Struct(index) => types.structs[*index].iter().any(|t| t.holds_function(types)),
+            Type::Enum(index) => types.enums[*index].iter().flatten().any(|t| t.holds_function(types)),
+            _ => false,
+        }
+    }
+}
+
 /// Fields of structs and of variants.
 #[derive(Default)]
 struct Types {
@@ -131,7 +145,7 @@ struct Generator<'a> {
 impl Generator<'_> {
     fn types(&mut self) {
         for index in 0..self.genes.pick(3) {
-            let fields: Vec<Type> = (0..1 + self.genes.pick(3)).map(|_| self.plain_type(1)).collect();
+            let fields: Vec<Type> = (0..1 + self.genes.pick(3)).map(|_| self.field_type()).collect();
             let list: Vec<String> =
                 fields.iter().enumerate().map(|(i, t)| format!("f{i}: {}", self.type_name(t))).collect();
             let _ = writeln!(self.text, "struct S{index}_{}({});", self.id, list.join(", "));
@@ -139,7 +153,7 @@ impl Generator<'_> {
         }
         for index in 0..self.genes.pick(3) {
             let variants: Vec<Vec<Type>> = (0..2 + self.genes.pick(3))
-                .map(|_| (0..self.genes.pick(3)).map(|_| self.plain_type(1)).collect())
+                .map(|_| (0..self.genes.pick(3)).map(|_| self.field_type()).collect())
                 .collect();
             let mut list = Vec::new();
             for (v, fields) in variants.iter().enumerate() {
@@ -156,7 +170,21 @@ impl Generator<'_> {
         format!("V{of}x{variant}_{}", self.id)
     }
 
-    /// A type without functions.
+    fn function_type(&mut self) -> Type {
+        Type::Fn(Box::new(self.genes.one(&[Type::I32, Type::F32]).clone()))
+    }
+
+    fn field_type(&mut self) -> Type {
+        if self.genes.chance(10) { self.function_type() } else { self.plain_type(1) }
+    }
+
+    /// A type whose values can be compared.
+    fn comparable_type(&mut self) -> Type {
+        let ty = self.plain_type(1);
+        if ty.holds_function(&self.types) { Type::I32 } else { ty }
+    }
+
+    /// A type without functions, unless in its fields.
     fn plain_type(&mut self, depth: usize) -> Type {
         let choices = if depth == 0 { 5 } else { 9 };
         match self.genes.pick(choices) {
@@ -173,11 +201,15 @@ impl Generator<'_> {
     }
 
     fn param_type(&mut self) -> Type {
-        if self.genes.chance(12) {
-            let of = self.genes.one(&[Type::I32, Type::F32]).clone();
-            return Type::Fn(Box::new(of));
+        if !self.genes.chance(20) {
+            return self.plain_type(2);
         }
-        self.plain_type(2)
+        let function = self.function_type();
+        match self.genes.pick(6) {
+            0 => Type::Tuple(vec![function, self.plain_type(0)]),
+            1 => Type::Array(Box::new(function)),
+            _ => function,
+        }
     }
 
     fn type_name(&self, ty: &Type) -> String {
@@ -203,7 +235,7 @@ impl Generator<'_> {
         if recursive {
             params.insert(0, Type::I32);
         }
-        let result = self.plain_type(2);
+        let result = if self.genes.chance(75) { self.plain_type(2) } else { self.param_type() };
         let name = format!("f{index}_{}", self.id);
         // Two functions may call each other instead of themselves.
         let partner = format!("g{index}_{}", self.id);
@@ -217,6 +249,8 @@ impl Generator<'_> {
                 // The parameters keep their names in both branches, so the scope is the same.
                 let stop = self.expression(&result, 2, &mut scope);
                 scope.own = Some((own.clone(), params.clone(), result.clone()));
+                // What it yields must not capture what it yielded before.
+                scope.closed = result.holds_function(&self.types);
                 let go_on = self.expression(&result, 4, &mut scope);
                 format!("if v0 <= 0 {{ {stop} }} else {{ {go_on} }}")
             } else {

@@ -1,6 +1,7 @@
 //! Constants are computed once, now: their expression is lowered as a program of its own and interpreted.
 
 use super::value::Value;
+use super::words::dissect_any;
 use super::{Builder, Env, Lower};
 use crate::core::{Atom, Block, Function, Mark, Op, Program};
 use crate::interpret::{self, NoHost};
@@ -19,7 +20,7 @@ impl<'m> Lower<'m> {
             let definition = &self.module.consts[id.0 as usize];
             self.expr(&definition.value, &mut Env::default())
         });
-        if only_constants(&value) {
+        if has_only_constants(&value) {
             self.constants.insert(id, value.clone());
         }
         value
@@ -64,13 +65,9 @@ impl<'m> Lower<'m> {
     }
 }
 
-fn only_constants(value: &Value) -> bool {
-    match value {
-        Value::Atom(atom) => matches!(atom, Atom::Const(_)),
-        Value::Group(items) | Value::Variant(_, items) => items.iter().all(only_constants),
-        Value::Enum(tag, payload) => {
-            matches!(tag, Atom::Const(_)) && payload.iter().all(|a| matches!(a, Atom::Const(_)))
-        }
-        Value::Function(_) | Value::Choice(..) | Value::Never => false,
-    }
+/// Is every machine word of the value known now?
+pub(super) fn has_only_constants(value: &Value) -> bool {
+    let mut words = Vec::new();
+    dissect_any(value, &mut words);
+    words.iter().all(|word| matches!(word, Atom::Const(_)))
 }

@@ -99,6 +99,9 @@ impl<'m> Lower<'m> {
     fn param(&mut self, id: ParamId) -> Value<'m> {
         let definition = &self.module.params[id.0 as usize];
         if let Some(first) = self.live.get(&id).copied() {
+            if self.slots.contains_key(&id) {
+                return self.slot_value(id, first);
+            }
             let scalars =
                 layout::scalars(self.module, &definition.ty).expect("live parameters are first order");
             let mut words = Vec::with_capacity(scalars.len());
@@ -107,11 +110,17 @@ impl<'m> Lower<'m> {
             }
             return self.unflatten(&definition.ty, &mut words.into_iter());
         }
+        self.fixed(id)
+    }
+
+    /// The parameter's value, fixed now.
+    pub(super) fn fixed(&mut self, id: ParamId) -> Value<'m> {
         let settings = self.settings;
-        match settings.set.get(&id) {
-            Some(setting) => self.setting(&setting.value),
-            None => self.expr(&definition.default, &mut Env::default()),
-        }
+        let value = match settings.set.get(&id) {
+            Some(setting) => &setting.value,
+            None => &self.module.params[id.0 as usize].default,
+        };
+        self.expr(value, &mut Env::default())
     }
 
     fn unary(&mut self, op: UnaryOp, a: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
@@ -298,11 +307,6 @@ impl<'m> Lower<'m> {
             words.push(self.prim(Prim::Index, scalar, operands));
         }
         self.rebuild(&like, &ty, &mut words.into_iter())
-    }
-
-    /// A parameter's value given from outside.
-    fn setting(&mut self, value: &'m Expr) -> Value<'m> {
-        self.expr(value, &mut Env::default())
     }
 }
 

@@ -14,6 +14,7 @@ mod expr;
 mod matching;
 mod ranges;
 mod shape;
+pub(crate) mod slot;
 mod specialise;
 mod value;
 mod words;
@@ -29,6 +30,7 @@ use crate::scalar;
 use crate::source::Span;
 use crate::typed::{ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
 use call::{Application, Callee, Frame};
+pub use slot::Slot;
 use specialise::{Job, Key};
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::rc::Rc;
@@ -73,7 +75,7 @@ pub fn lower(
     settings: &Settings,
 ) -> Result<Program, Vec<Diagnostic>> {
     let mut yields = HashMap::new();
-    let lower = loop {
+    let mut lower = loop {
         let mut lower = Lower::new(module, settings, yields);
         lower.number_live()?;
         match asked {
@@ -89,9 +91,16 @@ pub fn lower(
     if !lower.endless.is_empty() {
         return Err(lower.endless.into_iter().map(endless).collect());
     }
-    let live = settings.live.iter().filter_map(|id| lower.live_shape(*id)).collect();
+    let live = std::mem::take(&mut lower.live_names);
     let functions = lower.finish()?;
     Ok(Program { functions, entry: 0, live })
+}
+
+/// Live parameters of function type, and what they can hold.
+pub fn slots(module: &Module, settings: &Settings) -> Result<Vec<Slot>, Vec<Diagnostic>> {
+    let mut lower = Lower::new(module, settings, HashMap::new());
+    lower.number_live()?;
+    Ok(lower.slots.iter().map(|(id, candidates)| candidates.describe(*id)).collect())
 }
 
 struct Lower<'m> {
@@ -111,6 +120,8 @@ struct Lower<'m> {
     requests: Vec<Request>,
     /// First word of each live parameter.
     live: BTreeMap<ParamId, u32>,
+    live_names: Vec<(String, Vec<Scalar>)>,
+    slots: BTreeMap<ParamId, slot::Candidates<'m>>,
     /// The user's call that led to the function under construction.
     called: Option<Span>,
     /// Constants already computed.
@@ -154,6 +165,8 @@ impl<'m> Lower<'m> {
             derivatives: HashMap::new(),
             requests: Vec::new(),
             live: BTreeMap::new(),
+            live_names: Vec::new(),
+            slots: BTreeMap::new(),
             constants: HashMap::new(),
             called: None,
             yields,
@@ -182,18 +195,30 @@ impl<'m> Lower<'m> {
     fn number_live(&mut self) -> Result<(), Vec<Diagnostic>> {
         let mut word = 0;
         for id in &self.settings.live {
-            self.live.insert(*id, word);
             let param = &self.module.params[id.0 as usize];
-            match layout::scalars(self.module, &param.ty) {
-                Some(scalars) => word += scalars.len() as u32,
-                None => {
+            let scalars = match (&param.ty, layout::scalars(self.module, &param.ty)) {
+                (_, Some(scalars)) => scalars,
+                (Type::Fn(..), None) => {
+                    // Its first value is found like a body's.
+                    self.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
+                    let candidates = self.slot(*id)?;
+                    let scalars = if candidates.len() > 1 { vec![Scalar::I32] } else { Vec::new() };
+                    self.slots.insert(*id, candidates);
+                    scalars
+                }
+                _ => {
                     return Err(vec![unsupported(
                         codes::LIVE_FUNCTION,
                         param.span,
-                        format!("a live function parameter is not supported yet: `{}`", param.name),
-                        "set it with `--set`, which compiles the program for that function",
+                        format!("the live parameter `{}` holds functions inside of data", param.name),
+                        "make a parameter of each function",
                     )]);
                 }
+            };
+            self.live.insert(*id, word);
+            word += scalars.len() as u32;
+            if !scalars.is_empty() {
+                self.live_names.push((param.name.clone(), scalars));
             }
         }
         Ok(())
@@ -210,12 +235,6 @@ impl<'m> Lower<'m> {
         let at = Application { args, params: &params, result: &function.result, span: function.span };
         self.specialise(&Callee::Function(entry, Vec::new()), &at);
         Ok(())
-    }
-
-    /// Name and scalars of a live parameter.
-    fn live_shape(&self, id: ParamId) -> Option<(String, Vec<Scalar>)> {
-        let param = &self.module.params[id.0 as usize];
-        Some((param.name.clone(), layout::scalars(self.module, &param.ty)?))
     }
 
     /// A problem met in a library function is shown where the user's program called it.

@@ -135,6 +135,11 @@ impl Gpu {
         self.lost.lock().ok().and_then(|lost| lost.clone())
     }
 
+    /// Pipelines made so far for this device, by all engines.
+    pub fn pipelines_made(&self) -> u64 {
+        self.kept().made
+    }
+
     /// Pipelines for engines to come.
     pub(super) fn kept(&self) -> MutexGuard<'_, Kept> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)

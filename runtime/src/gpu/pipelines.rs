@@ -27,7 +27,11 @@ pub struct Pipelines {
 /// The pipelines a device has used last. Most kernels do not depend on the program, and the same program is often
 /// run again under another configuration, so engines share them.
 #[derive(Default)]
-pub struct Kept(VecDeque<(Identity, wgpu::ComputePipeline)>);
+pub struct Kept {
+    latest: VecDeque<(Identity, wgpu::ComputePipeline)>,
+    /// Pipelines made so far.
+    pub made: u64,
+}
 
 /// What makes two pipelines the same.
 #[derive(PartialEq)]
@@ -42,16 +46,17 @@ const KEPT: usize = 64;
 
 impl Kept {
     fn find(&mut self, wanted: &Identity) -> Option<wgpu::ComputePipeline> {
-        let index = self.0.iter().position(|(known, _)| known == wanted)?;
-        let found = self.0.remove(index)?;
+        let index = self.latest.iter().position(|(known, _)| known == wanted)?;
+        let found = self.latest.remove(index)?;
         let pipeline = found.1.clone();
-        self.0.push_front(found);
+        self.latest.push_front(found);
         Some(pipeline)
     }
 
     fn keep(&mut self, identity: Identity, pipeline: wgpu::ComputePipeline) {
-        self.0.push_front((identity, pipeline));
-        self.0.truncate(KEPT);
+        self.latest.push_front((identity, pipeline));
+        self.latest.truncate(KEPT);
+        self.made += 1;
     }
 }
 

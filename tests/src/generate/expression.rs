@@ -2,9 +2,6 @@
 
 use super::{COST_LIMIT, COUNTER_LIMIT, Generator, Type};
 
-/// Function values that are not known to the compiler: it does not take them yet.
-const CHOSEN_AT_RUN_TIME: bool = false;
-
 /// What an expression may use.
 pub(super) struct Scope {
     /// Types of the names `v0`, `v1`, ..
@@ -12,6 +9,9 @@ pub(super) struct Scope {
     /// The function around it, where it may call itself: name, parameters, result.
     pub own: Option<(String, Vec<Type>, Type)>,
     pub own_calls: usize,
+    /// Lambdas capture nothing that holds functions: what this place yields comes round to it again, and a function value
+    /// that captures itself over and over has no size.
+    pub closed: bool,
     /// How often this place is evaluated in one call.
     weight: f64,
     pub cost: f64,
@@ -19,7 +19,14 @@ pub(super) struct Scope {
 
 impl Scope {
     pub fn new(params: impl IntoIterator<Item = Type>) -> Scope {
-        Scope { locals: params.into_iter().collect(), own: None, own_calls: 0, weight: 1.0, cost: 0.0 }
+        Scope {
+            locals: params.into_iter().collect(),
+            own: None,
+            own_calls: 0,
+            closed: false,
+            weight: 1.0,
+            cost: 0.0,
+        }
     }
 
     /// Runs `inner` with more names bound, evaluated `times` times; the function itself is out of reach where that
@@ -33,6 +40,15 @@ impl Scope {
         self.locals.truncate(names);
         self.weight = weight;
         self.own = own.or_else(|| self.own.take());
+        result
+    }
+
+    /// Runs `inner` where values that hold functions are only what the place itself makes.
+    fn closed<T>(&mut self, closed: bool, inner: impl FnOnce(&mut Scope) -> T) -> T {
+        let before = self.closed;
+        self.closed |= closed;
+        let result = inner(self);
+        self.closed = before;
         result
     }
 
@@ -60,13 +76,6 @@ impl Generator<'_> {
         scope.cost += scope.weight;
         if depth == 0 || !scope.affords(10.0) {
             return self.leaf(ty, scope);
-        }
-        if let (Type::Fn(of), false) = (ty, CHOSEN_AT_RUN_TIME) {
-            return if self.genes.chance(50) {
-                self.function_value(of, depth, scope)
-            } else {
-                self.leaf(ty, scope)
-            };
         }
         match self.genes.pick(15) {
             0 => self.leaf(ty, scope),
@@ -113,7 +122,7 @@ impl Generator<'_> {
             Type::Vec2 => format!("vec2({}, {})", self.leaf(&Type::F32, scope), self.leaf(&Type::F32, scope)),
             Type::Fn(of) => {
                 let name = scope.next_name();
-                let body = scope.within(&[(**of).clone()], 4.0, |s| self.leaf(of, s));
+                let body = self.lambda_body(of, scope, |g, s| g.leaf(of, s));
                 format!("|{name}: {}| {body}", self.type_name(of))
             }
             _ => self.construction(ty, 0, scope),
@@ -207,7 +216,7 @@ impl Generator<'_> {
     fn float(&mut self, depth: usize, scope: &mut Scope) -> String {
         match self.genes.pick(10) {
             9 => self.derivative(depth, scope),
-            6 => format!("grid(f32({}))", self.expression(&Type::I32, depth - 1, scope)),
+            6 => format!("grid(f32(i32({})))", self.expression(&Type::I32, depth - 1, scope)),
             7 => format!("grid(sqrt(abs({})))", self.expression(&Type::F32, depth - 1, scope)),
             8 => format!("f32({})", self.expression(&Type::Bool, depth - 1, scope)),
             chosen => {
@@ -241,7 +250,7 @@ impl Generator<'_> {
             }
             5 => format!("!({})", self.expression(&Type::Bool, depth - 1, scope)),
             6 => {
-                let ty = self.plain_type(1);
+                let ty = self.comparable_type();
                 let (a, b) = self.two(&ty, depth, scope);
                 format!("(({a}) == ({b}))")
             }
@@ -310,6 +319,10 @@ impl Generator<'_> {
             scope.cost += scope.weight * 50.0;
             return Some(format!("v{f}({})", self.expression(ty, depth - 1, scope)));
         }
+        if scope.closed && ty.holds_function(&self.types) {
+            // It might capture what it is given.
+            return None;
+        }
         let fitting: Vec<usize> = (0..self.functions.len())
             .filter(|i| self.functions[*i].result == *ty && scope.affords(self.functions[*i].cost))
             .collect();
@@ -329,8 +342,7 @@ impl Generator<'_> {
         Some(format!("{name}({})", list.join(", ")))
     }
 
-    /// A call of the function itself with a smaller counter; function values are passed on as they are, because a
-    /// closure that holds a closure of itself would have no size.
+    /// A call of the function itself with a smaller counter.
     fn own_call(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> Option<String> {
         let (name, params, result) = scope.own.clone()?;
         if result != *ty || scope.own_calls >= 2 {
@@ -339,24 +351,68 @@ impl Generator<'_> {
         scope.own_calls += 1;
         let mut list = vec!["v0 - 1".to_string()];
         for (index, param) in params.iter().enumerate().skip(1) {
-            list.push(match param {
-                Type::Fn(_) => format!("v{index}"),
-                plain => self.expression(plain, depth - 1, scope),
+            let holds_function = param.holds_function(&self.types);
+            list.push(match holds_function && !self.genes.chance(50) {
+                true => format!("v{index}"),
+                false => scope.closed(holds_function, |s| self.expression(param, depth - 1, s)),
             });
         }
         Some(format!("{name}({})", list.join(", ")))
     }
 
     fn function_value(&mut self, of: &Type, depth: usize, scope: &mut Scope) -> String {
-        if CHOSEN_AT_RUN_TIME && depth > 1 && self.genes.chance(40) {
-            let c = self.expression(&Type::Bool, depth - 1, scope);
-            let yes = self.function_value(of, depth - 1, scope);
-            let no = self.function_value(of, depth - 1, scope);
-            return format!("(if {c} {{ {yes} }} else {{ {no} }})");
+        if let (true, Some(text)) = (self.genes.chance(25), self.partial_application(of, scope)) {
+            return text;
         }
         let name = scope.next_name();
-        let body = scope.within(std::slice::from_ref(of), 4.0, |s| self.expression(of, depth - 1, s));
+        let body = self.lambda_body(of, scope, |g, s| g.expression(of, depth - 1, s));
         format!("(|{name}: {}| {body})", self.type_name(of))
+    }
+
+    /// A cheap function with all but one of its arguments.
+    fn partial_application(&mut self, of: &Type, scope: &mut Scope) -> Option<String> {
+        let fits = |f: &super::Function| {
+            f.result == *of
+                && f.cost < 40.0
+                && f.params[usize::from(f.recursive)..].contains(of)
+                && !f.params.iter().any(|t| t.holds_function(&self.types))
+        };
+        let fitting: Vec<usize> = (0..self.functions.len()).filter(|i| fits(&self.functions[*i])).collect();
+        if fitting.is_empty() {
+            return None;
+        }
+        let f = *self.genes.one(&fitting);
+        let (name, params) = (self.functions[f].name.clone(), self.functions[f].params.clone());
+        let counter = usize::from(self.functions[f].recursive);
+        let hole = counter + params[counter..].iter().position(|t| t == of)?;
+        let mut list = Vec::new();
+        for (index, param) in params.iter().enumerate() {
+            list.push(match index {
+                _ if index == hole => "_".into(),
+                0 if counter == 1 => self.genes.pick(COUNTER_LIMIT).to_string(),
+                _ => self.leaf(param, scope),
+            });
+        }
+        Some(format!("{name}({})", list.join(", ")))
+    }
+
+    /// The body of a lambda, which sees what it may capture.
+    fn lambda_body(
+        &mut self,
+        of: &Type,
+        scope: &mut Scope,
+        body: impl FnOnce(&mut Self, &mut Scope) -> String,
+    ) -> String {
+        let locals = scope.locals.clone();
+        if scope.closed {
+            for ty in scope.locals.iter_mut().filter(|t| t.holds_function(&self.types)) {
+                // No expression is asked for of this type.
+                *ty = Type::Tuple(Vec::new());
+            }
+        }
+        let text = scope.within(std::slice::from_ref(of), 4.0, |s| body(self, s));
+        scope.locals = locals;
+        text
     }
 
     // ---- ranges ----
@@ -382,13 +438,13 @@ impl Generator<'_> {
     }
 
     fn fold(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> String {
-        if matches!(ty, Type::Fn(_)) {
-            return self.leaf(ty, scope);
-        }
         let bounds = self.bounds(scope);
         let init = self.expression(ty, depth - 1, scope);
         let first = scope.locals.len();
-        let body = scope.within(&[ty.clone(), Type::I32], 4.0, |s| self.expression(ty, depth - 1, s));
+        let holds_function = ty.holds_function(&self.types);
+        let body = scope.closed(holds_function, |s| {
+            s.within(&[ty.clone(), Type::I32], 4.0, |s| self.expression(ty, depth - 1, s))
+        });
         let annotation = self.type_name(ty);
         format!("fold({bounds}, {init}, |v{first}: {annotation}, v{}| {body})", first + 1)
     }
@@ -401,17 +457,16 @@ impl Generator<'_> {
                 let v = self.expression(&Type::Vec2, depth - 1, scope);
                 format!("({v}).{}", self.genes.one(&["x", "y"]))
             }
-            1 if !matches!(ty, Type::Fn(_)) => {
+            1 => {
                 let array = self.expression(&Type::Array(Box::new(ty.clone())), depth - 1, scope);
                 let index = self.expression(&Type::I32, depth - 1, scope);
                 format!("({array})[{index}]")
             }
             2 => self.field(ty, depth, scope).unwrap_or_else(|| self.leaf(ty, scope)),
-            _ if !matches!(ty, Type::Fn(_)) => {
+            _ => {
                 let pair = self.expression(&Type::Tuple(vec![ty.clone(), Type::I32]), depth - 1, scope);
                 format!("({pair}).0")
             }
-            _ => self.leaf(ty, scope),
         }
     }
 

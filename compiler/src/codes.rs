@@ -120,6 +120,9 @@ codes! {
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
     MANY_WARNINGS "W0602" "more warnings than are shown";
     UNUSED_NAME "W0603" "a name that nothing uses";
+    UNUSED_FUNCTION "W0604" "a function that no entry leads to";
+    UNUSED_MODULE "W0605" "a module that nothing is taken from";
+    UNUSED_PARAM "W0606" "a parameter that nothing reads";
 
     TRACED_SURFACE "E0902" "tracing this surface is not supported yet";
     LIVE_FUNCTION "E0906" "a live parameter whose functions cannot be replaced";

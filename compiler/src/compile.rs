@@ -5,7 +5,7 @@ use crate::back::Back;
 use crate::bake::{self, Bake};
 use crate::diagnostic::{Diagnostic, Report};
 use crate::entry;
-use crate::front::{self, Checked, on_large_stack};
+use crate::front::{self, Checked, MAX_DIAGNOSTICS, on_large_stack};
 use crate::infer::show::show_type;
 use crate::layout;
 use crate::lower::{self, Asked, Setting, Settings, Slot};
@@ -229,14 +229,25 @@ fn number(expr: &crate::typed::Expr) -> Option<f64> {
 pub fn reach(checked: &Checked) -> Vec<Diagnostic> {
     let module = &checked.module;
     let (entries, mut found) = entry::asked_for(module);
+    let mut lowered = 0;
     for entry in entries {
-        let lowered =
-            on_large_stack(|| lower::lower(module, entry, Asked::Plainly, &Settings::default()).err());
-        for diagnostic in lowered.into_iter().flatten() {
-            if !found.contains(&diagnostic) {
-                found.push(diagnostic);
+        match on_large_stack(|| lower::lower(module, entry, Asked::Plainly, &Settings::default())) {
+            Ok(program) => lowered += program.functions.len(),
+            Err(diagnostics) => {
+                lowered += 1;
+                for diagnostic in diagnostics {
+                    if !found.contains(&diagnostic) {
+                        found.push(diagnostic);
+                    }
+                }
             }
+        }
+        if lowered > MOST_LOWERED || found.len() > MAX_DIAGNOSTICS {
+            break;
         }
     }
     found
 }
+
+/// Functions after which no further entry is tried: entries may share most of a large program.
+const MOST_LOWERED: usize = 20_000;

@@ -143,19 +143,50 @@ pub fn asked_for(module: &Module) -> (Vec<FunctionId>, Vec<Diagnostic>) {
     let meant = |id: &FunctionId| module.functions[id.0 as usize].name != "map" && !is_called(module, *id);
     let misfits = others.iter().filter(|(id, _)| meant(id));
     let misfits = misfits.filter_map(|(id, kind)| misfit(module, *id, *kind)).collect();
-    let ids = (0..module.functions.len() as u32).map(FunctionId);
-    let own = |id: &FunctionId| !module.functions[id.0 as usize].library;
-    let eligible = ids.filter(|id| own(id) && misfit(module, *id, EntryKind::Value).is_none()).collect();
-    (eligible, misfits)
+    (covering(module), misfits)
+}
+
+/// Functions that could be entries; what one of them leads to is not named again.
+fn covering(module: &Module) -> Vec<FunctionId> {
+    let callees: Vec<Vec<usize>> = module.functions.iter().map(callees).collect();
+    let mut called = vec![false; callees.len()];
+    for (caller, callees) in callees.iter().enumerate() {
+        callees.iter().filter(|callee| **callee != caller).for_each(|&callee| called[callee] = true);
+    }
+    let mut reached = vec![false; callees.len()];
+    let mut found = Vec::new();
+    for only_uncalled in [true, false] {
+        for (i, f) in module.functions.iter().enumerate() {
+            let id = FunctionId(i as u32);
+            let taken = f.library || reached[i] || only_uncalled && called[i];
+            if taken || misfit(module, id, EntryKind::Value).is_some() {
+                continue;
+            }
+            found.push(id);
+            let mut open = vec![i];
+            while let Some(next) = open.pop() {
+                if !std::mem::replace(&mut reached[next], true) {
+                    open.extend(&callees[next]);
+                }
+            }
+        }
+    }
+    found
+}
+
+fn callees(f: &Function) -> Vec<usize> {
+    let mut found = Vec::new();
+    walk(&f.body, &mut |e| {
+        if let ExprKind::Function(id, _) = &e.kind {
+            found.push(id.0 as usize);
+        }
+    });
+    found
 }
 
 /// Whether another of the user's functions mentions this one.
 fn is_called(module: &Module, id: FunctionId) -> bool {
-    let mentions = |f: &Function| {
-        let mut found = false;
-        walk(&f.body, &mut |e| found |= matches!(&e.kind, ExprKind::Function(callee, _) if *callee == id));
-        found
-    };
+    let mentions = |f: &Function| callees(f).contains(&(id.0 as usize));
     let others = module.functions.iter().enumerate().filter(|(i, f)| *i != id.0 as usize && !f.library);
     others.map(|(_, f)| f).any(mentions)
 }

@@ -5,6 +5,8 @@
 //! it is useful after the arms before; a match is exhaustive if `_` is not useful after all of them, and
 //! the value that makes it useful is the missing case.
 
+use std::collections::HashSet;
+
 use crate::typed::{Literal, Module, Pattern, PatternKind, Type};
 
 /// Most work spent on one match.
@@ -22,6 +24,9 @@ pub struct Coverage {
 pub fn coverage(module: &Module, ty: &Type, arms: &[(&Pattern, bool)]) -> Coverage {
     let mut check = Check { module, budget: BUDGET };
     let mut coverage = Coverage { missing: None, unreachable: Vec::new(), too_complex: false };
+    if let Some(coverage) = flat(&check, ty, arms) {
+        return coverage;
+    }
     let types = [ty.clone()];
     let mut rows: Vec<Vec<Pat>> = Vec::new();
     for (i, (pattern, guarded)) in arms.iter().enumerate() {
@@ -42,12 +47,67 @@ pub fn coverage(module: &Module, ty: &Type, arms: &[(&Pattern, bool)]) -> Covera
     coverage
 }
 
+/// Matches of which no pattern has parts, such as long tables of literals: in one pass.
+fn flat(check: &Check, ty: &Type, arms: &[(&Pattern, bool)]) -> Option<Coverage> {
+    let mut coverage = Coverage { missing: None, unreachable: Vec::new(), too_complex: false };
+    let all = check.signature(ty);
+    let mut taken: HashSet<Constructor> = HashSet::new();
+    let mut open = true;
+    for (i, (pattern, guarded)) in arms.iter().enumerate() {
+        let mut wild = false;
+        let mut own = Vec::new();
+        for alternative in alternatives(pattern) {
+            match Pat::of(alternative) {
+                Pat::Wild => wild = true,
+                Pat::Build(constructor, parts) if parts.iter().all(|p| matches!(p, Pat::Wild)) => {
+                    own.push(constructor);
+                }
+                _ => return None,
+            }
+        }
+        if !open || !wild && own.iter().all(|c| taken.contains(c)) {
+            coverage.unreachable.push(i);
+        }
+        if !guarded {
+            taken.extend(own);
+            let complete = all.as_ref().is_some_and(|all| taken.len() == all.len());
+            open = open && !wild && !complete;
+        }
+    }
+    if open {
+        let missing = all.filter(|_| !taken.is_empty());
+        let missing = missing.and_then(|all| all.into_iter().find(|c| !taken.contains(c)));
+        let witness = match missing {
+            Some(constructor) => {
+                let fields = check.fields(ty, constructor).iter().map(|_| Witness::Any).collect();
+                Witness::Build(ty.clone(), constructor, fields)
+            }
+            None => Witness::Any,
+        };
+        coverage.missing = Some(witness.show(check.module));
+    }
+    Some(coverage)
+}
+
+/// The patterns of `a | b`, however they are grouped.
+fn alternatives(pattern: &Pattern) -> Vec<&Pattern> {
+    let mut found = Vec::new();
+    let mut work = vec![pattern];
+    while let Some(pattern) = work.pop() {
+        match &pattern.kind {
+            PatternKind::Or(parts) => work.extend(parts.iter().rev()),
+            _ => found.push(pattern),
+        }
+    }
+    found
+}
+
 /// A value that an allegedly irrefutable pattern does not fit.
 pub fn refuted(module: &Module, pattern: &Pattern) -> Option<String> {
     coverage(module, &pattern.ty, &[(pattern, false)]).missing
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 enum Constructor {
     /// The only one of a tuple or struct.
     Only,

@@ -5,6 +5,7 @@
 
 pub(crate) mod components;
 mod recursion;
+mod unused;
 pub(crate) mod walk;
 
 pub use crate::argument::{Argument, parse_arguments};
@@ -13,7 +14,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::infer::{Body, ConstState, Env};
 use crate::resolve::declare::{Declared, declare};
-use crate::resolve::load::{Loaded, load};
+use crate::resolve::load::{File, Loaded, load};
 use crate::source::{Files, Source, Sources};
 use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
 use std::sync::{Mutex, PoisonError};
@@ -37,7 +38,7 @@ pub fn front(source: Source, files: &dyn Files) -> Result<Checked, Report> {
     on_large_stack(|| {
         let Loaded { sources, files, diagnostics, .. } = load(source, files);
         let (module, diagnostics) = match diagnostics.is_empty() {
-            true => check(declare(&files)),
+            true => check(&files, declare(&files)),
             false => (Module::default(), diagnostics),
         };
         let report = Report { sources, diagnostics: ordered(diagnostics) };
@@ -59,7 +60,7 @@ pub(crate) fn on_large_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     })
 }
 
-fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
+fn check(files: &[File], declared: Declared) -> (Module, Vec<Diagnostic>) {
     let Declared { module, names, functions, params, mut diagnostics } = declared;
     let (mut consts, mut defaults, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
     {
@@ -119,6 +120,9 @@ fn check(declared: Declared) -> (Module, Vec<Diagnostic>) {
     if !diagnostics.iter().any(|d| d.severity == Severity::Error) {
         recursion::check(&module, &mut diagnostics);
         ranges(&module, &mut diagnostics);
+        if !diagnostics.iter().any(|d| d.severity == Severity::Error) {
+            unused::check(files, &names.scopes, &module, &mut diagnostics);
+        }
     }
     (module, diagnostics)
 }

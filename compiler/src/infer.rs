@@ -10,6 +10,7 @@ mod expr;
 mod finish;
 mod forms;
 mod goals;
+mod locals;
 mod numeric;
 mod overload;
 mod pattern;
@@ -24,21 +25,26 @@ use crate::ast;
 use crate::builtins::Builtin;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::resolve::types::{Names, Place};
+use crate::front::MAX_DIAGNOSTICS;
+use crate::resolve::similar;
+use crate::resolve::types::{self, Place};
 use crate::source::Span;
 use crate::typed::{self, ConstId, LocalId, Module, Type};
-use goals::Goal;
+use goals::Goals;
+use locals::Names;
 use table::{Clash, Form, Origin, Table, Ty};
 use tree::{Kind, Node};
 
 /// What bodies refer to: declarations, and what was found about constants so far.
 pub struct Env<'e, 'a> {
     pub module: &'e Module,
-    pub names: &'e Names<'a>,
+    pub names: &'e types::Names<'a>,
     /// Functions as written, by id, for labels; empty where only the module is known.
     pub functions: &'e [(usize, &'a ast::Function)],
     pub consts: RefCell<Vec<ConstState>>,
     pub fixed: RefCell<HashMap<Builtin, Type>>,
+    /// Nodes of all types written out so far.
+    pub written: Cell<u64>,
 }
 
 #[derive(Clone)]
@@ -74,17 +80,19 @@ impl Want {
 impl<'e, 'a> Env<'e, 'a> {
     pub fn new(
         module: &'e Module,
-        names: &'e Names<'a>,
+        names: &'e types::Names<'a>,
         functions: &'e [(usize, &'a ast::Function)],
     ) -> Env<'e, 'a> {
         let consts = names.consts.iter().map(|_| ConstState::Waiting).collect();
-        Env { module, names, functions, consts: RefCell::new(consts), fixed: RefCell::default() }
+        let consts = RefCell::new(consts);
+        Env { module, names, functions, consts, fixed: RefCell::default(), written: Cell::new(0) }
     }
 
     /// For arguments of a finished module.
-    pub fn finished(module: &'e Module, names: &'e Names<'a>) -> Env<'e, 'a> {
+    pub fn finished(module: &'e Module, names: &'e types::Names<'a>) -> Env<'e, 'a> {
         let known = module.consts.iter().map(|c| ConstState::Known(c.ty.clone())).collect();
-        Env { module, names, functions: &[], consts: RefCell::new(known), fixed: RefCell::default() }
+        let consts = RefCell::new(known);
+        Env { module, names, functions: &[], consts, fixed: RefCell::default(), written: Cell::new(0) }
     }
 
     pub fn function(&self, index: usize) -> Body {
@@ -160,9 +168,8 @@ struct Infer<'e, 'a> {
     place: Place<'e>,
     table: Table,
     locals: Vec<Local>,
-    /// Names in scope, innermost last.
-    scope: Vec<(String, LocalId)>,
-    goals: Vec<Goal>,
+    scope: Names,
+    goals: Goals,
     /// Types that must not hold functions.
     comparable: Vec<(Ty, Span)>,
     out: Vec<Diagnostic>,
@@ -188,8 +195,8 @@ impl<'e, 'a> Infer<'e, 'a> {
             place,
             table: Table::default(),
             locals: Vec::new(),
-            scope: Vec::new(),
-            goals: Vec::new(),
+            scope: Names::default(),
+            goals: Goals::default(),
             comparable: Vec::new(),
             out: Vec::new(),
             holes: 0,
@@ -213,19 +220,24 @@ impl<'e, 'a> Infer<'e, 'a> {
     fn bind(&mut self, name: &str, ty: Ty, span: Span) -> LocalId {
         let id = self.local(name, ty, span);
         if name != "_" {
-            self.scope.push((name.to_owned(), id));
+            self.scope.push(name, id);
         }
         id
     }
 
     fn lookup(&self, name: &str) -> Option<LocalId> {
-        let (_, id) = self.scope.iter().rev().find(|(known, _)| known == name)?;
+        let id = self.scope.get(name)?;
         self.locals[id.0 as usize].used.set(true);
-        Some(*id)
+        Some(id)
     }
 
     fn fresh(&mut self, span: Span) -> Ty {
         self.table.fresh(Origin::Value(span))
+    }
+
+    /// The known name that was probably meant. Each suggestion reads all names: far down the list nobody sees it.
+    fn similar<'n>(&self, name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+        if self.out.len() < MAX_DIAGNOSTICS { similar(name, known) } else { None }
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {

@@ -178,7 +178,8 @@ pub struct Lexed<'s> {
 }
 
 pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
-    let mut reader = Reader { source, text, lexed: Lexed::default(), brackets: Vec::new() };
+    let mut reader =
+        Reader { source, text, lexed: Lexed::default(), brackets: Vec::new(), heads: 0, angles: 0 };
     if text.len() > MAX_LENGTH {
         let at = Span::new(source, 0, 0);
         let title = format!("this text is longer than {} MiB", MAX_LENGTH >> 20);
@@ -202,6 +203,10 @@ struct Reader<'s> {
     text: &'s str,
     lexed: Lexed<'s>,
     brackets: Vec<Bracket>,
+    /// `if` and `match` whose `{` has not come, one in another.
+    heads: usize,
+    /// `<` with nothing but names between them.
+    angles: usize,
 }
 
 impl<'s> Reader<'s> {
@@ -332,6 +337,25 @@ impl<'s> Reader<'s> {
     }
 
     fn bracket(&mut self, lexeme: Lexeme<'s>, start: usize, end: usize) -> Nesting {
+        self.heads = match lexeme {
+            Lexeme::If | Lexeme::Match => self.heads + 1,
+            Lexeme::LBrace => self.heads.saturating_sub(1),
+            Lexeme::Semi | Lexeme::Fn => 0,
+            _ => self.heads,
+        };
+        self.angles = match lexeme {
+            Lexeme::Lt => self.angles + 1,
+            Lexeme::Ident(_) => self.angles,
+            _ => 0,
+        };
+        if self.heads > MAX_NESTING || self.angles > MAX_NESTING {
+            let what = if self.angles > MAX_NESTING { "types" } else { "conditions" };
+            let title = format!("{what} nest more than {MAX_NESTING} deep");
+            self.error(codes::TOO_DEEP, start, end, &title).help =
+                Some("give the inner parts names with `let` or move them to functions".into());
+            self.brackets.clear();
+            return Nesting::TooDeep;
+        }
         match lexeme {
             Lexeme::LParen | Lexeme::LBracket | Lexeme::LBrace => {
                 let after_arrow = matches!(self.lexed.lexemes.last(), Some((_, Lexeme::FatArrow, _)));

@@ -4,101 +4,88 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::components::components;
 use super::walk::walk;
 use crate::builtins::Builtin;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::resolve::size::holds_function;
 use crate::source::Span;
-use crate::typed::{BinaryOp, ConstId, Expr, ExprKind, FunctionId, Module, ParamId, Type};
+use crate::typed::{BinaryOp, Expr, ExprKind, FunctionId, Module, Type};
 
 pub fn check(module: &Module, out: &mut Vec<Diagnostic>) {
     let values = Values::of(module);
-    for i in 0..module.consts.len() {
-        values.check(Node::Const(ConstId(i as u32)), out);
-    }
-    for i in 0..module.params.len() {
-        values.check(Node::Param(ParamId(i as u32)), out);
+    let (consts, params) = (module.consts.len(), module.params.len());
+    for node in 0..consts + params {
+        values.check(node, out);
     }
     for (i, f) in module.functions.iter().enumerate().filter(|(_, f)| f.attributes.inline) {
-        values.check_inline(FunctionId(i as u32), &f.name, f.span, out);
+        values.check_inline(consts + params + i, &f.name, f.span, out);
     }
     growing(module, out);
     compared_functions(module, out);
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Node {
-    Const(ConstId),
-    Param(ParamId),
-    Function(FunctionId),
-}
-
-/// What the value of each item needs.
+/// What the value of each item needs: constants first, then parameters, then functions.
 struct Values<'a> {
     module: &'a Module,
-    needs: HashMap<Node, Vec<(Node, Span)>>,
+    /// Items that evaluating one item may evaluate, and where. A function that is only named is not run.
+    needs: Vec<Vec<(usize, Span)>>,
+    component: Vec<usize>,
+    /// A parameter that evaluating an item may read.
+    reads: Vec<Option<usize>>,
 }
 
 impl<'a> Values<'a> {
     fn of(module: &'a Module) -> Values<'a> {
-        let mut needs = HashMap::new();
-        for (i, c) in module.consts.iter().enumerate() {
-            needs.insert(Node::Const(ConstId(i as u32)), uses(&c.value));
-        }
-        for (i, p) in module.params.iter().enumerate() {
-            needs.insert(Node::Param(ParamId(i as u32)), uses(&p.default));
-        }
-        for (i, f) in module.functions.iter().enumerate() {
-            needs.insert(Node::Function(FunctionId(i as u32)), uses(&f.body));
-        }
-        Values { module, needs }
+        let is_function = |ty: &Type| matches!(ty, Type::Fn(..));
+        let consts = module.consts.iter().map(|c| uses(module, &c.value, is_function(&c.ty)));
+        let params = module.params.iter().map(|p| uses(module, &p.default, is_function(&p.ty)));
+        let functions = module.functions.iter().map(|f| uses(module, &f.body, false));
+        let needs: Vec<Vec<(usize, Span)>> = consts.chain(params).chain(functions).collect();
+        let successors: Vec<Vec<usize>> =
+            needs.iter().map(|used| used.iter().map(|(node, _)| *node).collect()).collect();
+        let component = components(&successors);
+        let mut values = Values { module, reads: vec![None; needs.len()], needs, component };
+        values.readers();
+        values
     }
 
-    fn name_and_span(&self, node: Node) -> (&str, Span) {
-        match node {
-            Node::Const(id) => {
-                (&self.module.consts[id.0 as usize].name, self.module.consts[id.0 as usize].span)
-            }
-            Node::Param(id) => {
-                (&self.module.params[id.0 as usize].name, self.module.params[id.0 as usize].span)
-            }
-            Node::Function(id) => {
-                (&self.module.functions[id.0 as usize].name, self.module.functions[id.0 as usize].span)
+    /// Finds what reads parameters, from these back to where they are used.
+    fn readers(&mut self) {
+        let mut users = vec![Vec::new(); self.needs.len()];
+        for (user, needs) in self.needs.iter().enumerate() {
+            needs.iter().for_each(|(used, _)| users[*used].push(user));
+        }
+        let first = self.module.consts.len();
+        let mut open: Vec<(usize, usize)> =
+            (first..first + self.module.params.len()).map(|p| (p, p)).collect();
+        while let Some((node, param)) = open.pop() {
+            if self.reads[node].is_none() {
+                self.reads[node] = Some(param);
+                open.extend(users[node].iter().map(|user| (*user, param)));
             }
         }
     }
 
-    /// Items that evaluating one item may evaluate, and where. A function that is only named is not run.
-    fn evaluated(&self, start: Node) -> impl Iterator<Item = (Node, Span)> + '_ {
-        let is_function_value = match start {
-            Node::Const(id) => matches!(self.module.consts[id.0 as usize].ty, Type::Fn(..)),
-            Node::Param(id) => matches!(self.module.params[id.0 as usize].ty, Type::Fn(..)),
-            Node::Function(_) => false,
-        };
-        let own = self.needs.get(&start).map_or(&[][..], Vec::as_slice);
-        own.iter().copied().filter(move |(node, _)| !(is_function_value && matches!(node, Node::Function(_))))
-    }
-
-    /// Whether evaluating `from` may evaluate something, and what.
-    fn find(&self, from: Node, wanted: impl Fn(Node) -> bool) -> Option<Node> {
-        let mut seen = HashSet::new();
-        let mut work = vec![from];
-        while let Some(node) = work.pop() {
-            if wanted(node) {
-                return Some(node);
-            }
-            if seen.insert(node) {
-                work.extend(self.evaluated(node).map(|(next, _)| next));
+    fn name_and_span(&self, node: usize) -> (&str, Span) {
+        let (consts, params) = (&self.module.consts, &self.module.params);
+        if let Some(c) = consts.get(node) {
+            return (&c.name, c.span);
+        }
+        match params.get(node - consts.len()) {
+            Some(p) => (&p.name, p.span),
+            None => {
+                let f = &self.module.functions[node - consts.len() - params.len()];
+                (&f.name, f.span)
             }
         }
-        None
     }
 
-    fn check(&self, item: Node, out: &mut Vec<Diagnostic>) {
+    fn check(&self, item: usize, out: &mut Vec<Diagnostic>) {
         let (name, span) = self.name_and_span(item);
-        for (node, used) in self.evaluated(item) {
-            if self.find(node, |n| n == item).is_some() {
+        for &(node, used) in &self.needs[item] {
+            if self.component[node] == self.component[item] {
                 out.push(
                     Diagnostic::error(codes::CYCLIC_CONSTANT, span, format!("`{name}` needs its own value"))
                         .also(used, "by way of this")
@@ -106,8 +93,8 @@ impl<'a> Values<'a> {
                 );
                 return;
             }
-            let constant = matches!(item, Node::Const(_));
-            if let (true, Some(param)) = (constant, self.find(node, |n| matches!(n, Node::Param(_)))) {
+            let constant = item < self.module.consts.len();
+            if let (true, Some(param)) = (constant, self.reads[node]) {
                 let (param, at) = self.name_and_span(param);
                 let title = format!("the constant `{name}` reads the parameter `{param}`");
                 out.push(
@@ -120,27 +107,28 @@ impl<'a> Values<'a> {
         }
     }
 
-    fn check_inline(&self, id: FunctionId, name: &str, span: Span, out: &mut Vec<Diagnostic>) {
-        let own = Node::Function(id);
-        let Some((_, used)) = self.evaluated(own).find(|(node, _)| self.find(*node, |n| n == own).is_some())
-        else {
-            return;
-        };
+    fn check_inline(&self, own: usize, name: &str, span: Span, out: &mut Vec<Diagnostic>) {
+        let back = |(node, _): &&(usize, Span)| self.component[*node] == self.component[own];
+        let Some((_, used)) = self.needs[own].iter().find(back) else { return };
         let title = format!("`{name}` is recursive, so `@inline` cannot be followed");
         out.push(
             Diagnostic::error(codes::INLINE_RECURSION, span, title)
-                .also(used, "leads back to it")
+                .also(*used, "leads back to it")
                 .help("remove `@inline`"),
         );
     }
 }
 
-fn uses(e: &Expr) -> Vec<(Node, Span)> {
+/// Items that an expression mentions; but for functions where its value is one.
+fn uses(module: &Module, e: &Expr, is_function: bool) -> Vec<(usize, Span)> {
+    let (consts, params) = (module.consts.len(), module.params.len());
     let mut nodes = Vec::new();
     walk(e, &mut |e| match e.kind {
-        ExprKind::Const(id) => nodes.push((Node::Const(id), e.span)),
-        ExprKind::Param(id) => nodes.push((Node::Param(id), e.span)),
-        ExprKind::Function(id, _) => nodes.push((Node::Function(id), e.span)),
+        ExprKind::Const(id) => nodes.push((id.0 as usize, e.span)),
+        ExprKind::Param(id) => nodes.push((consts + id.0 as usize, e.span)),
+        ExprKind::Function(id, _) if !is_function => {
+            nodes.push((consts + params + id.0 as usize, e.span));
+        }
         _ => {}
     });
     nodes
@@ -151,8 +139,8 @@ type Slot = (u32, u32);
 
 /// Type parameters flow from caller to callee. A cycle on which a type grows has no end of instances.
 fn growing(module: &Module, out: &mut Vec<Diagnostic>) {
-    let mut flows: HashMap<Slot, Vec<Slot>> = HashMap::new();
-    let mut grows: Vec<(Slot, Slot, Span)> = Vec::new();
+    let mut slots = Slots::default();
+    let mut grows: Vec<(usize, usize, Slot, Span)> = Vec::new();
     for (caller, f) in module.functions.iter().enumerate().filter(|(_, f)| !f.generics.is_empty()) {
         walk(&f.body, &mut |e| {
             let ExprKind::Function(callee, args) = &e.kind else { return };
@@ -160,27 +148,47 @@ fn growing(module: &Module, out: &mut Vec<Diagnostic>) {
                 let mut params = Vec::new();
                 mentioned(arg, &mut params);
                 for param in params {
-                    let (from, to) = ((caller as u32, param), (callee.0, i as u32));
-                    flows.entry(from).or_default().push(to);
+                    let own = (caller as u32, param);
+                    let (from, to) = (slots.number(own), slots.number((callee.0, i as u32)));
+                    slots.successors[from].push(to);
                     if !matches!(arg, Type::Param(_)) {
-                        grows.push((from, to, e.span));
+                        grows.push((from, to, own, e.span));
                     }
                 }
             }
         });
     }
+    let component = components(&slots.successors);
     let mut reported = HashSet::new();
-    for (from, to, span) in grows {
-        if reaches(&flows, to, from) && reported.insert(from.0) {
-            let f = &module.functions[from.0 as usize];
+    for (from, to, slot, span) in grows {
+        if component[from] == component[to] && reported.insert(slot.0) {
+            let f = &module.functions[slot.0 as usize];
             let title = format!("polymorphic recursion: `{}` calls itself with ever larger types", f.name);
             out.push(
                 Diagnostic::error(codes::POLYMORPHIC_RECURSION, span, title)
-                    .label(format!("here `{}` is part of a larger type", f.generics[from.1 as usize]))
+                    .label(format!("here `{}` is part of a larger type", f.generics[slot.1 as usize]))
                     .also(f.span, "defined here")
                     .help("each combination of types becomes a function of its own, and there would be no end of them"),
             );
         }
+    }
+}
+
+/// Slots by number, and where the types in them go.
+#[derive(Default)]
+struct Slots {
+    numbers: HashMap<Slot, usize>,
+    successors: Vec<Vec<usize>>,
+}
+
+impl Slots {
+    fn number(&mut self, slot: Slot) -> usize {
+        let next = self.successors.len();
+        let number = *self.numbers.entry(slot).or_insert(next);
+        if number == next {
+            self.successors.push(Vec::new());
+        }
+        number
     }
 }
 
@@ -198,17 +206,19 @@ fn compared_functions(module: &Module, out: &mut Vec<Diagnostic>) {
             _ => {}
         });
     }
-    loop {
-        let before = compared.len();
-        for (caller, callee, args, _) in &uses {
-            for (i, arg) in args.iter().enumerate() {
-                if compared.contains(&(callee.0, i as u32)) {
-                    compare(&mut compared, *caller, arg);
-                }
-            }
-        }
-        if compared.len() == before {
-            break;
+    // From what is compared back to the type arguments put there.
+    let mut callers: HashMap<u32, Vec<usize>> = HashMap::new();
+    for (at, (_, callee, ..)) in uses.iter().enumerate() {
+        callers.entry(callee.0).or_default().push(at);
+    }
+    let mut open: Vec<Slot> = compared.iter().copied().collect();
+    while let Some((callee, i)) = open.pop() {
+        for at in callers.get(&callee).into_iter().flatten() {
+            let (caller, _, args, _) = uses[*at];
+            let mut params = Vec::new();
+            args.get(i as usize).into_iter().for_each(|arg| mentioned(arg, &mut params));
+            let found = params.into_iter().map(|param| (caller, param));
+            open.extend(found.filter(|slot| compared.insert(*slot)));
         }
     }
     for (_, callee, args, span) in uses {
@@ -248,18 +258,4 @@ fn mentioned(ty: &Type, into: &mut Vec<u32>) {
         }
         _ => {}
     }
-}
-
-fn reaches(flows: &HashMap<Slot, Vec<Slot>>, from: Slot, to: Slot) -> bool {
-    let mut seen = HashSet::new();
-    let mut work = vec![from];
-    while let Some(slot) = work.pop() {
-        if slot == to {
-            return true;
-        }
-        if seen.insert(slot) {
-            work.extend(flows.get(&slot).into_iter().flatten());
-        }
-    }
-    false
 }

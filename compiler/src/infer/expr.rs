@@ -1,5 +1,7 @@
 //! Expressions other than calls.
 
+use std::collections::HashMap;
+
 use super::goals::GoalKind;
 use super::table::{Form, Origin, Ty};
 use super::tree::{Arm, Kind, Node, Number, Pattern, PatternKind};
@@ -8,10 +10,8 @@ use crate::ast::{self, Expr, ExprKind, LambdaParam, Operator};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::foreign;
-use crate::front::MAX_DIAGNOSTICS;
 use crate::resolve::declare::defining_module;
 use crate::resolve::scope::Value;
-use crate::resolve::similar;
 use crate::resolve::types::count;
 use crate::source::Span;
 use crate::typed::{BinaryOp, LocalId, Type, UnaryOp};
@@ -203,11 +203,9 @@ impl Infer<'_, '_> {
             let diagnostic =
                 Diagnostic::error(codes::UNKNOWN_NAME, span, format!("nothing is called `{name}` here"))
                     .label("unknown name");
-            let locals = self.scope.iter().map(|(n, _): &(String, LocalId)| n.as_str());
+            let locals = self.scope.iter();
             let known = locals.chain(scopes.value_names(self.place.file)).chain(super::forms::names());
-            // Each suggestion reads all names: far down the list nobody sees it.
-            let few = self.out.len() < MAX_DIAGNOSTICS;
-            let meant = if few { similar(name, known) } else { None };
+            let meant = self.similar(name, known);
             match (scopes.elsewhere(name), foreign::value_help(name), meant) {
                 (Some(place), ..) => diagnostic
                     .also(place, "defined here")
@@ -287,7 +285,7 @@ impl Infer<'_, '_> {
             Some((_, result)) => self.expr(body, Want { ty: *result, why: want.why }),
             None => self.any(body),
         };
-        self.scope.truncate(mark);
+        self.scope.split_off(mark);
         let (body_ty, body_span) = (body.ty, body.span);
         let body = match lets.is_empty() {
             true => body,
@@ -324,7 +322,7 @@ impl Infer<'_, '_> {
         }
         let local = self.local("_", ty, span);
         if !plain {
-            let pattern = self.pattern_part(pattern, Want::just(ty), &[]);
+            let pattern = self.pattern_part(pattern, Want::just(ty), &HashMap::new());
             lets.push((pattern, Node { kind: Kind::Local(local), ty, span }));
         }
         local
@@ -368,7 +366,7 @@ impl Infer<'_, '_> {
             let pattern = self.pattern(&arm.pattern, of);
             let guard = arm.guard.as_ref().map(|g| self.expr(g, Want::just(Ty::BOOL)));
             let value = self.branch(&arm.value, &mut want);
-            self.scope.truncate(mark);
+            self.scope.split_off(mark);
             nodes.push(Arm { pattern, guard, value });
         }
         Node { kind: Kind::Match(Box::new(scrutinee), nodes), ty: want.ty, span }
@@ -391,7 +389,7 @@ impl Infer<'_, '_> {
             nodes.push((pattern, value));
         }
         let value = self.expr(value, want);
-        self.scope.truncate(mark);
+        self.scope.split_off(mark);
         for (pattern, _) in &nodes {
             self.note_unused(pattern);
         }

@@ -13,7 +13,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::exhaustive::{self, Coverage};
 use crate::resolve::declare::too_large;
-use crate::resolve::size::{Sizes, holds_function};
+use crate::resolve::size::{Sizes, holds_function, substituted_nodes};
 use crate::source::Span;
 use crate::typed::{
     Arm, BinaryOp, Expr, ExprKind, Let, Literal, Local, Module, Pattern, PatternKind, RangeForm, Type,
@@ -38,6 +38,12 @@ impl Infer<'_, '_> {
             true => Vec::new(),
             false => std::mem::take(&mut finish.infer.unused),
         };
+        if finish.infer.table.is_full() || finish.infer.env.written.get() > MOST_WRITTEN {
+            finish.report(
+                Diagnostic::error(codes::TOO_LARGE, expr.span, "the types in this program are too large")
+                    .help("give smaller types to what is used most"),
+            );
+        }
         let mut diagnostics = finish.infer.out;
         diagnostics.extend(unused);
         let mut seen = HashSet::new();
@@ -51,12 +57,15 @@ impl Infer<'_, '_> {
 
     /// Stops types that grow from `let` to `let`.
     pub(super) fn check_size(&mut self, ty: Ty, span: Span) {
-        if let Err(Unfinished::TooLarge) = self.table.export(ty) {
+        if self.table.is_too_large(ty) {
             self.report(too_large(span, u64::MAX));
             self.table.replace_by_error(ty);
         }
     }
 }
+
+/// Most nodes of the types in a whole program.
+const MOST_WRITTEN: u64 = 4_000_000;
 
 struct Finish<'e, 'a> {
     infer: Infer<'e, 'a>,
@@ -78,6 +87,11 @@ impl Finish<'_, '_> {
             match self.infer.table.export(ty) {
                 Ok(ty) => {
                     let module = self.infer.env.module;
+                    let written = self.infer.env.written.get().saturating_add(substituted_nodes(&ty, &[]));
+                    self.infer.env.written.set(written);
+                    if written > MOST_WRITTEN {
+                        return Type::Error;
+                    }
                     if self.sizes.fits(module, &ty) {
                         return ty;
                     }

@@ -1,5 +1,7 @@
 //! What must hold of types that may not be known yet. A goal is tried until it is settled.
 
+use std::collections::{BTreeSet, HashMap};
+
 use super::table::{Form, Ty};
 use super::{Infer, Want};
 use crate::ast::Name;
@@ -52,30 +54,75 @@ pub enum GoalKind {
     },
 }
 
+impl GoalKind {
+    /// Types that decide whether the goal can be settled.
+    fn types(&self) -> Vec<Ty> {
+        match self {
+            GoalKind::Binary { left, right, result, .. } => vec![left.0, right.0, *result],
+            GoalKind::Unary { operand, result, .. } => vec![*operand, *result],
+            GoalKind::Field { base, .. } => vec![*base],
+            GoalKind::Index { base, index, .. } => vec![*base, index.0],
+            GoalKind::Builtin { args, result, .. } => {
+                args.iter().map(|(ty, _)| *ty).chain([*result]).collect()
+            }
+            GoalKind::Sum { item } => vec![*item],
+        }
+    }
+}
+
+/// Goals that are not settled, and what each of them waits for.
+#[derive(Default)]
+pub struct Goals {
+    /// Nothing where a goal was settled.
+    all: Vec<Option<Goal>>,
+    waiting: HashMap<Ty, Vec<usize>>,
+}
+
+/// Rounds in which goals make guesses.
+const MOST_ROUNDS: usize = 64;
+
 impl Infer<'_, '_> {
     /// Tries a goal and keeps it if it is too early; true if so.
     pub(super) fn goal(&mut self, kind: GoalKind, span: Span) -> bool {
         let settled = self.solve(&kind, span, false);
         if !settled {
-            self.goals.push(Goal { kind, span });
+            self.goals.all.push(None);
+            self.wait(self.goals.all.len() - 1, Goal { kind, span });
         }
         !settled
     }
 
-    /// Tries the waiting goals until none moves.
+    /// Keeps a goal until one of its types is learned.
+    fn wait(&mut self, at: usize, goal: Goal) {
+        for ty in goal.kind.types().into_iter().filter(|ty| self.table.is_unknown(*ty)) {
+            self.goals.waiting.entry(self.table.root(ty)).or_default().push(at);
+        }
+        self.goals.all[at] = Some(goal);
+    }
+
+    /// Tries the goals whose types were learned, until none moves.
     pub(super) fn retry(&mut self) {
         loop {
-            let waiting = std::mem::take(&mut self.goals);
-            let before = waiting.len();
-            for goal in waiting {
-                if !self.solve(&goal.kind, goal.span, false) {
-                    self.goals.push(goal);
-                }
-            }
-            if self.goals.len() == before || self.goals.is_empty() {
+            let learned = self.table.learned();
+            let woken: BTreeSet<usize> =
+                learned.iter().filter_map(|ty| self.goals.waiting.remove(ty)).flatten().collect();
+            if woken.is_empty() {
                 return;
             }
+            for at in woken {
+                self.attempt(at, false);
+            }
         }
+    }
+
+    /// Tries a goal if it is not settled; true if it is now.
+    fn attempt(&mut self, at: usize, guess: bool) -> bool {
+        let Some(goal) = self.goals.all[at].take() else { return false };
+        let settled = self.solve(&goal.kind, goal.span, guess);
+        if !settled {
+            self.wait(at, goal);
+        }
+        settled
     }
 
     /// At the end of a body: literals take their default, then goals make their likeliest guess.
@@ -83,15 +130,16 @@ impl Infer<'_, '_> {
         self.retry();
         self.table.default_literals();
         self.retry();
-        let mut next = 0;
-        while next < self.goals.len() {
-            let goal = self.goals.remove(next);
-            if self.solve(&goal.kind, goal.span, true) {
-                self.retry();
-                next = 0;
-            } else {
-                self.goals.insert(next, goal);
-                next += 1;
+        for _ in 0..MOST_ROUNDS {
+            let mut moved = false;
+            for at in 0..self.goals.all.len() {
+                if self.attempt(at, true) {
+                    moved = true;
+                    self.retry();
+                }
+            }
+            if !moved {
+                break;
             }
         }
         self.table.default_literals();

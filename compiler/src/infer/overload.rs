@@ -69,7 +69,7 @@ impl Env<'_, '_> {
 
     /// Names without any items, so that nothing shadows the types of built-ins.
     fn plain(&self) -> crate::resolve::types::Names<'static> {
-        let scopes = crate::resolve::scope::Scopes(vec![Default::default()]);
+        let scopes = crate::resolve::scope::Scopes::empty();
         crate::resolve::types::Names { scopes, ..Default::default() }
     }
 }

@@ -1,5 +1,8 @@
 //! Patterns: names bound, constructors looked up, types unified.
 
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
+
 use super::table::{Form, Origin, Ty};
 use super::tree::{Number, Pattern, PatternKind};
 use super::{Infer, Want};
@@ -7,18 +10,20 @@ use crate::ast::{self, FieldPattern, Name, Rest};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::resolve::scope::Value;
-use crate::resolve::similar;
 use crate::resolve::types::count;
 use crate::source::Span;
 use crate::typed::{LocalId, StructId};
 
 /// Names that an earlier alternative of an or-pattern bound.
-type Bound = [(String, LocalId)];
+type Bound = HashMap<String, LocalId>;
+
+/// Fields of a struct that a message names.
+const MOST_FIELDS: usize = 12;
 
 impl Infer<'_, '_> {
     pub(super) fn pattern(&mut self, p: &ast::Pattern, want: Want) -> Pattern {
         let mark = self.scope.len();
-        let pattern = self.pattern_part(p, want, &[]);
+        let pattern = self.pattern_part(p, want, &Bound::new());
         self.distinct_since(mark);
         pattern
     }
@@ -26,9 +31,11 @@ impl Infer<'_, '_> {
     /// Reports names that were bound twice since the scope had a certain length.
     pub(super) fn distinct_since(&mut self, mark: usize) {
         let mut twice = Vec::new();
-        for (i, (name, id)) in self.scope.iter().enumerate().skip(mark) {
-            if let Some((_, earlier)) = self.scope[mark..i].iter().find(|(n, _)| n == name) {
-                twice.push((name.clone(), *earlier, *id));
+        let mut seen = HashMap::new();
+        for (name, id) in self.scope.since(mark) {
+            match seen.entry(name.as_str()) {
+                Entry::Occupied(earlier) => twice.push((name.clone(), *earlier.get(), *id)),
+                Entry::Vacant(new) => drop(new.insert(*id)),
             }
         }
         for (name, earlier, id) in twice {
@@ -93,8 +100,8 @@ impl Infer<'_, '_> {
                 PatternKind::Wild
             }
             _ => {
-                let id = match bound.iter().find(|(n, _)| n == name) {
-                    Some((_, id)) => {
+                let id = match bound.get(name) {
+                    Some(id) => {
                         let local = &self.locals[id.0 as usize];
                         let why = Some((local.span, "it has another type here"));
                         let ty = local.ty;
@@ -103,7 +110,7 @@ impl Infer<'_, '_> {
                     }
                     None => self.local(name, want.ty, span),
                 };
-                self.scope.push((name.to_owned(), id));
+                self.scope.push(name, id);
                 PatternKind::Bind(id)
             }
         }
@@ -198,7 +205,7 @@ impl Infer<'_, '_> {
         let diagnostic = Diagnostic::error(codes::NOT_A_CONSTRUCTOR, name.span, title);
         let scopes = &self.env.names.scopes;
         let known = scopes.value_names(self.place.file).filter(|n| self.constructor(n).is_some());
-        let diagnostic = match similar(&name.text, known) {
+        let diagnostic = match self.similar(&name.text, known) {
             Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")),
             None => diagnostic,
         };
@@ -301,8 +308,8 @@ impl Infer<'_, '_> {
         known: impl Iterator<Item = &'n str> + Clone,
     ) {
         let title = format!("`{of}` has no field `{}`", name.text);
-        let all: Vec<&str> = known.clone().collect();
-        let help = match similar(&name.text, known) {
+        let all: Vec<&str> = known.clone().take(MOST_FIELDS).collect();
+        let help = match self.similar(&name.text, known) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("its fields are {}", all.join(", ")),
         };
@@ -334,23 +341,34 @@ impl Infer<'_, '_> {
         let mark = self.scope.len();
         let mut parts: Vec<Pattern> = Vec::new();
         let mut first: Vec<(String, LocalId)> = Vec::new();
+        let mut names = bound.clone();
         for p in alternatives {
-            let names: Vec<(String, LocalId)> = bound.iter().chain(&first).cloned().collect();
             let part = self.pattern_part(p, want, &names);
             let own = self.scope.split_off(mark);
             match parts.is_empty() {
-                true => first = own,
+                true => {
+                    names.extend(own.iter().cloned());
+                    first = own;
+                }
                 false => self.same_names(&first, &own, &parts[0], &part),
             }
             parts.push(part);
         }
-        self.scope.extend(first);
+        first.iter().for_each(|(name, id)| self.scope.push(name, *id));
         PatternKind::Or(parts)
     }
 
-    fn same_names(&mut self, first: &Bound, other: &Bound, a: &Pattern, b: &Pattern) {
-        let missing =
-            |from: &Bound, of: &Bound| of.iter().find(|(n, _)| !from.iter().any(|(m, _)| m == n)).cloned();
+    fn same_names(
+        &mut self,
+        first: &[(String, LocalId)],
+        other: &[(String, LocalId)],
+        a: &Pattern,
+        b: &Pattern,
+    ) {
+        let missing = |from: &[(String, LocalId)], of: &[(String, LocalId)]| {
+            let from: HashSet<&str> = from.iter().map(|(name, _)| name.as_str()).collect();
+            of.iter().find(|(name, _)| !from.contains(name.as_str())).cloned()
+        };
         let (name, lacks, has) = match (missing(other, first), missing(first, other)) {
             (Some((name, _)), _) => (name, b.span, a.span),
             (None, Some((name, _))) => (name, a.span, b.span),

@@ -3,6 +3,7 @@
 //! A [`Ty`] is a handle. Types are graphs: `let b = (a, a)` shares `a`, so what walks a type remembers where
 //! it has been, and what would write one out asks for its size first.
 
+use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 
 use crate::resolve::size::MAX_NODES;
@@ -77,7 +78,15 @@ pub enum Clash {
 pub struct Table {
     nodes: Vec<Form>,
     origins: Vec<Origin>,
+    /// Variables that became something, or literals, since somebody asked.
+    learned: Vec<Ty>,
+    /// Sizes of types without variables.
+    ground: RefCell<HashMap<Ty, u64>>,
+    full: bool,
 }
+
+/// Most nodes of one body.
+const MOST_NODES: usize = 4_000_000;
 
 /// Forms that every table begins with, so that their handles are constants.
 const FIXED: [Form; 13] = [
@@ -118,12 +127,18 @@ impl Ty {
 
 impl Default for Table {
     fn default() -> Table {
-        Table { nodes: FIXED.to_vec(), origins: Vec::new() }
+        let (origins, learned) = (Vec::new(), Vec::new());
+        Table { nodes: FIXED.to_vec(), origins, learned, ground: RefCell::default(), full: false }
     }
 }
 
 impl Table {
+    /// A new type; an error when there is no room for more, see [`Table::is_full`].
     pub fn add(&mut self, form: Form) -> Ty {
+        if self.nodes.len() >= MOST_NODES {
+            self.full = true;
+            return Ty::ERROR;
+        }
         self.nodes.push(form);
         Ty(self.nodes.len() as u32 - 1)
     }
@@ -140,6 +155,16 @@ impl Table {
         self.origins.push(origin);
         let origin = self.origins.len() as u32 - 1;
         self.add(Form::Var { literal, origin })
+    }
+
+    /// Whether types were left out because there were too many.
+    pub fn is_full(&self) -> bool {
+        self.full
+    }
+
+    /// Variables that were bound, joined to others, or found to be literals since the last time.
+    pub fn learned(&mut self) -> Vec<Ty> {
+        std::mem::take(&mut self.learned)
     }
 
     /// The node that a handle stands for.
@@ -221,6 +246,7 @@ impl Table {
         let better = self.origins[oa as usize].rank() >= self.origins[ob as usize].rank();
         self.nodes[b.0 as usize] = Form::Var { literal, origin: if better { oa } else { ob } };
         self.nodes[a.0 as usize] = Form::Link(b);
+        self.learned.extend([a, b]);
     }
 
     fn bind(&mut self, var: Ty, literal: bool, to: Ty) -> Result<(), Clash> {
@@ -234,12 +260,15 @@ impl Table {
             Some(_) => None,
         };
         self.nodes[var.0 as usize] = Form::Link(if clash.is_some() { Ty::ERROR } else { to });
+        self.learned.push(var);
         clash.map_or(Ok(()), Err)
     }
 
     /// Size of a type written out; nothing if `var` occurs in it.
     fn nodes_below(&self, ty: Ty, var: Option<Ty>) -> Option<u64> {
-        fn go(table: &Table, ty: Ty, var: Option<Ty>, memo: &mut HashMap<Ty, u64>) -> Option<u64> {
+        /// Size, and whether variables occur.
+        type Known = (u64, bool);
+        fn go(table: &Table, ty: Ty, var: Option<Ty>, memo: &mut HashMap<Ty, Known>) -> Option<Known> {
             let ty = table.root(ty);
             if Some(ty) == var {
                 return None;
@@ -247,19 +276,26 @@ impl Table {
             let form = &table.nodes[ty.0 as usize];
             let parts = form.parts();
             if parts.is_empty() {
-                return Some(1);
+                return Some((1, matches!(form, Form::Var { .. })));
             }
             if let Some(&known) = memo.get(&ty) {
                 return Some(known);
             }
-            let mut n = 1u64;
-            for part in parts {
-                n = n.saturating_add(go(table, part, var, memo)?);
+            if let Some(&size) = table.ground.borrow().get(&ty) {
+                return Some((size, false));
             }
-            memo.insert(ty, n);
-            Some(n)
+            let (mut n, mut open) = (1u64, false);
+            for part in parts {
+                let (size, unknown) = go(table, part, var, memo)?;
+                (n, open) = (n.saturating_add(size), open || unknown);
+            }
+            match open {
+                true => drop(memo.insert(ty, (n, true))),
+                false => drop(table.ground.borrow_mut().insert(ty, n)),
+            }
+            Some((n, open))
         }
-        go(self, ty, var, &mut HashMap::new())
+        go(self, ty, var, &mut HashMap::new()).map(|(size, _)| size)
     }
 
     /// Makes an unknown type an error that nobody needs to hear about.
@@ -267,6 +303,7 @@ impl Table {
         if self.is_unknown(ty) {
             let root = self.root(ty);
             self.nodes[root.0 as usize] = Form::Link(Ty::ERROR);
+            self.learned.push(root);
         }
     }
 
@@ -275,14 +312,16 @@ impl Table {
         let root = self.root(ty);
         if root.0 as usize >= FIXED.len() {
             self.nodes[root.0 as usize] = Form::Link(Ty::ERROR);
+            self.learned.push(root);
         }
     }
 
     /// Gives every literal that nothing constrains its type.
     pub fn default_literals(&mut self) {
-        for node in &mut self.nodes {
+        for (i, node) in self.nodes.iter_mut().enumerate() {
             if matches!(node, Form::Var { literal: true, .. }) {
                 *node = Form::Link(Ty::I32);
+                self.learned.push(Ty(i as u32));
             }
         }
     }
@@ -318,9 +357,14 @@ impl Table {
         types.iter().map(|t| self.import(t, args)).collect()
     }
 
+    /// Whether a type would be too large to write out.
+    pub fn is_too_large(&self, ty: Ty) -> bool {
+        self.nodes_below(ty, None).unwrap_or(u64::MAX) > MAX_NODES
+    }
+
     /// The finished type.
     pub fn export(&self, ty: Ty) -> Result<Type, Unfinished> {
-        if self.nodes_below(ty, None).unwrap_or(u64::MAX) > MAX_NODES {
+        if self.is_too_large(ty) {
             return Err(Unfinished::TooLarge);
         }
         self.write(ty)

@@ -130,7 +130,7 @@ impl<'m> Lower<'m> {
         {
             return self.call_specialised(&callee, &at);
         }
-        self.spend();
+        self.spend(1);
         self.frames.push(frame);
         let value = match &callee {
             Callee::Function(id, types) => self.enter_function(*id, types, at.args),

@@ -64,6 +64,8 @@ pub struct Setting {
 
 /// More statements than this are refused: a program that grows so by specialisation is a mistake.
 const STATEMENT_LIMIT: usize = 400_000;
+/// Operands, and nodes of types, that count as a statement.
+const WORDS_OF_A_STATEMENT: usize = 8;
 /// Bodies put in place of calls inside each other; deeper calls are calls.
 const INLINE_DEPTH_LIMIT: usize = 64;
 
@@ -261,7 +263,8 @@ impl<'m> Lower<'m> {
 
     /// Appends an operation; its results are new variables.
     fn emit(&mut self, op: Op, results: &[Scalar]) -> Vec<Atom> {
-        self.spend();
+        let words = results.len() + if let Op::Call(_, args) = &op { args.len() } else { 0 };
+        self.spend(1 + words / WORDS_OF_A_STATEMENT);
         let dst: Vec<Var> = results.iter().map(|s| self.builder.fresh(*s)).collect();
         let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
         self.builder.open.last_mut().expect("an open block").push(Stmt { dst, op });
@@ -270,9 +273,10 @@ impl<'m> Lower<'m> {
 
     /// Counts an operation, or a body that is put in the place of a call: values that hold functions can grow beyond all
     /// bounds without any operation.
-    fn spend(&mut self) {
-        self.statements += 1;
-        if self.statements == STATEMENT_LIMIT {
+    fn spend(&mut self, statements: usize) {
+        let before = self.statements;
+        self.statements += statements;
+        if before < STATEMENT_LIMIT && self.statements >= STATEMENT_LIMIT {
             let span = self.module.functions.first().map(|f| f.span);
             if let Some(span) = span {
                 self.error(

@@ -8,11 +8,12 @@ use super::call::{Application, Callee, Frame};
 use super::shape::Shape;
 use super::value::{Closure, Value};
 use super::words::{dissect_any, rebuild_any, shape};
-use super::{Builder, Lower};
+use super::{Builder, Lower, WORDS_OF_A_STATEMENT};
 use crate::codes;
 use crate::core::{Atom, Block, FnId, Function, Intrinsic, Mark, Op, Scalar, Var};
 use crate::diagnostic::Diagnostic;
 use crate::layout;
+use crate::resolve::size::substituted_nodes;
 use crate::source::Span;
 use crate::typed::{self, FunctionId, Type};
 
@@ -108,6 +109,12 @@ impl<'m> Lower<'m> {
         if let Some(id) = self.known.get(&key) {
             return (*id, key, words);
         }
+        let types = match callee {
+            Callee::Function(_, types) => types.iter().map(|t| substituted_nodes(t, &[])).sum(),
+            Callee::Value(_) => 0,
+        };
+        let types = at.params.iter().map(|t| substituted_nodes(t, &[])).sum::<u64>() + types;
+        self.spend(1 + (words.len() + types as usize) / WORDS_OF_A_STATEMENT);
         let id = FnId(self.functions.len() as u32);
         self.functions.push(None);
         self.known.insert(key.clone(), id);

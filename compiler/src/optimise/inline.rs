@@ -2,8 +2,10 @@
 //! when it is marked `@task` or recursive. Callees go first, so a chain of small functions becomes one body.
 //!
 //! The size limits keep shaders small: a function called from many places stays a helper, and a body stops growing
-//! at [`LARGEST`] statements, except for what is called once or marked.
+//! at [`LARGEST`] statements, except for what is called once or marked. What is marked is called all the same once
+//! [`MOST_MARKED`] statements were put in place: marked functions that call each other may double at each step.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 
 use crate::core::graph::Graph;
@@ -14,6 +16,8 @@ use crate::core::{Atom, Block, FnId, Function, Mark, Op, Program, Stmt};
 const SMALL: usize = 24;
 /// Statements beyond which a body takes in no more small functions.
 const LARGEST: usize = 4000;
+/// Statements of marked functions that are put in place, in the whole program.
+const MOST_MARKED: usize = 200_000;
 
 pub fn inline(program: &mut Program) {
     let graph = Graph::new(&program.functions);
@@ -23,7 +27,9 @@ pub fn inline(program: &mut Program) {
             *count.entry(id).or_default() += 1;
         }
     }
-    let mut inliner = Inliner { count, recursive: graph.recursive, sizes: vec![0; program.functions.len()] };
+    let marked = Cell::new(MOST_MARKED);
+    let sizes = vec![0; program.functions.len()];
+    let mut inliner = Inliner { count, recursive: graph.recursive, sizes, marked };
     for f in graph.bottom_up {
         let mut function = program.functions[f].clone();
         inliner.function(&program.functions, &mut function);
@@ -37,6 +43,8 @@ struct Inliner {
     recursive: Vec<bool>,
     /// Statements of each function that is finished.
     sizes: Vec<usize>,
+    /// Statements of marked functions that may still be put in place.
+    marked: Cell<usize>,
 }
 
 impl Inliner {
@@ -46,7 +54,13 @@ impl Inliner {
         match functions[f].mark {
             _ if self.recursive[f] => false,
             Mark::Task => false,
-            Mark::Inline => true,
+            Mark::Inline => match self.marked.get().checked_sub(size) {
+                Some(left) => {
+                    self.marked.set(left);
+                    true
+                }
+                None => false,
+            },
             Mark::Auto => self.count.get(&id) == Some(&1) || size <= SMALL && size <= room,
         }
     }

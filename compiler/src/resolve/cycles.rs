@@ -2,60 +2,26 @@
 
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::front::components::{MOST_SHOWN, components, on_cycles, shown, way_round};
 use crate::source::Span;
 use crate::typed::{EnumId, Module, StructId, Type};
 
-/// Reports every cycle once and cuts it, so that later phases end.
+/// Reports a cycle of each group of types that contain each other, and cuts them, so that later phases end.
 pub fn check(module: &mut Module, out: &mut Vec<Diagnostic>) {
-    let mut search = Search { module, state: Vec::new(), path: Vec::new(), found: Vec::new() };
-    let n = search.module.structs.len() + search.module.enums.len();
-    search.state = vec![State::New; n];
-    for node in 0..n {
-        search.visit(node);
+    let nodes = 0..module.structs.len() + module.enums.len();
+    let parts = |node| {
+        let mut parts = Vec::new();
+        for_each_field(module, node, &mut |ty| mentioned(module, ty, &mut parts));
+        parts
+    };
+    let successors: Vec<Vec<usize>> = nodes.clone().map(parts).collect();
+    let component = components(&successors);
+    for start in on_cycles(&successors, &component) {
+        out.push(describe(module, &way_round(&successors, &component, start)));
     }
-    let cycles = search.found;
-    for cycle in cycles {
-        out.push(describe(module, &cycle));
-        for &node in &cycle {
-            cut(module, node, &cycle);
-        }
-    }
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum State {
-    New,
-    Open,
-    Done,
-}
-
-/// Depth-first search over structs (first) and enums.
-struct Search<'a> {
-    module: &'a Module,
-    state: Vec<State>,
-    path: Vec<usize>,
-    found: Vec<Vec<usize>>,
-}
-
-impl Search<'_> {
-    fn visit(&mut self, node: usize) {
-        match self.state[node] {
-            State::Done => {}
-            State::Open => {
-                let start = self.path.iter().position(|&p| p == node).expect("an open node is on the path");
-                self.found.push(self.path[start..].to_vec());
-            }
-            State::New => {
-                self.state[node] = State::Open;
-                self.path.push(node);
-                let mut parts = Vec::new();
-                for_each_field(self.module, node, &mut |ty| mentioned(self.module, ty, &mut parts));
-                for part in parts {
-                    self.visit(part);
-                }
-                self.path.pop();
-                self.state[node] = State::Done;
-            }
+    for node in nodes {
+        if successors[node].iter().any(|&part| component[part] == component[node]) {
+            cut(module, node, &component);
         }
     }
 }
@@ -98,25 +64,23 @@ fn name_and_span(module: &Module, node: usize) -> (&str, Span) {
 
 fn describe(module: &Module, cycle: &[usize]) -> Diagnostic {
     let (name, span) = name_and_span(module, cycle[0]);
-    let path: Vec<&str> =
-        cycle.iter().chain(cycle.first()).map(|&node| name_and_span(module, node).0).collect();
     let mut diagnostic =
         Diagnostic::error(codes::RECURSIVE_TYPE, span, format!("the type `{name}` contains itself"))
-            .label(path.join(" -> "))
+            .label(shown(cycle, |node| name_and_span(module, node).0))
             .help("a value has a fixed number of stream words, so it cannot hold another of its own type; use an array with a limit, or a function");
-    for &node in &cycle[1..] {
+    for &node in cycle[1..].iter().take(MOST_SHOWN) {
         let (other, at) = name_and_span(module, node);
         diagnostic = diagnostic.also(at, format!("by way of `{other}`"));
     }
     diagnostic
 }
 
-/// Replaces fields that lead round the cycle.
-fn cut(module: &mut Module, node: usize, cycle: &[usize]) {
+/// Replaces fields that lead round a cycle.
+fn cut(module: &mut Module, node: usize, component: &[usize]) {
     let leads_round = |module: &Module, ty: &Type| {
         let mut parts = Vec::new();
         mentioned(module, ty, &mut parts);
-        parts.iter().any(|p| cycle.contains(p))
+        parts.iter().any(|p| component[*p] == component[node])
     };
     let mut fields: Vec<bool> = Vec::new();
     for_each_field(module, node, &mut |ty| fields.push(leads_round(module, ty)));

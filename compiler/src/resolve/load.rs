@@ -6,7 +6,7 @@ use super::path::join;
 use crate::ast::{self, Item};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::front::components::components;
+use crate::front::components::{MOST_SHOWN, components, on_cycles, shown, way_round};
 use crate::source::{Files, Source, SourceId, Sources, Span};
 use crate::{library, parse};
 
@@ -17,6 +17,8 @@ pub struct File {
     pub items: ast::File,
     /// The library modules whose names are in scope.
     pub uses: Vec<usize>,
+    /// The module of each `use`, in the order of the text.
+    pub used: Vec<Option<usize>>,
     /// The modules in files whose names are in scope, with where they are named.
     pub files: Vec<(usize, Span)>,
 }
@@ -62,7 +64,13 @@ impl Loaded {
         let id = self.sources.add(source);
         let parsed = parse::file(id, &self.sources.get(id).text);
         self.diagnostics.extend(parsed.diagnostics);
-        self.files.push(File { module, items: parsed.tree, uses: Vec::new(), files: Vec::new() });
+        self.files.push(File {
+            module,
+            items: parsed.tree,
+            uses: Vec::new(),
+            used: Vec::new(),
+            files: Vec::new(),
+        });
         self.files.len() - 1
     }
 
@@ -76,25 +84,27 @@ impl Loaded {
     }
 
     fn uses_of(&mut self, file: usize, files: &dyn Files) {
-        let (mut names, mut paths) = (Vec::new(), Vec::new());
-        for item in &self.files[file].items {
-            match item {
-                Item::Use(name) => names.push(name.clone()),
-                Item::UseFile(path) => paths.push(path.clone()),
+        let uses: Vec<(ast::Name, bool)> = self.files[file]
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                Item::Use(name) => Some((name.clone(), true)),
+                Item::UseFile(path) => Some((path.clone(), false)),
+                _ => None,
+            })
+            .collect();
+        for (name, library) in uses {
+            let used = match library {
+                true => self.library(&name.text),
+                false => self.file(file, &name, files),
+            };
+            match (used, library) {
+                (Some(used), true) if used != file => self.files[file].uses.push(used),
+                (Some(used), false) => self.files[file].files.push((used, name.span)),
+                (None, true) => self.unknown(&name),
                 _ => {}
             }
-        }
-        for name in names {
-            match self.library(&name.text) {
-                Some(used) if used != file => self.files[file].uses.push(used),
-                Some(_) => {}
-                None => self.unknown(&name),
-            }
-        }
-        for path in paths {
-            if let Some(used) = self.file(file, &path, files) {
-                self.files[file].files.push((used, path.span));
-            }
+            self.files[file].used.push(used);
         }
     }
 
@@ -143,48 +153,26 @@ impl Loaded {
         let successors: Vec<Vec<usize>> =
             self.files.iter().map(|f| f.files.iter().map(|(used, _)| *used).collect()).collect();
         let component = components(&successors);
-        let mut reported = Vec::new();
-        for start in 0..self.files.len() {
-            let same = |used: &usize| component[*used] == component[start];
-            if successors[start].iter().any(same) && !reported.contains(&component[start]) {
-                reported.push(component[start]);
-                let cycle = self.way_round(start, &component);
-                self.diagnostics.push(self.cycle(&cycle));
-            }
+        for start in on_cycles(&successors, &component) {
+            let way = way_round(&successors, &component, start);
+            let diagnostic = self.cycle(&way);
+            self.diagnostics.push(diagnostic);
         }
     }
 
-    /// The uses that lead from a file back to itself: the file, and where it names the next one.
-    fn way_round(&self, start: usize, component: &[usize]) -> Vec<(usize, Span)> {
-        let mut from: HashMap<usize, (usize, Span)> = HashMap::new();
-        let mut open = std::collections::VecDeque::from([start]);
-        while let Some(file) = open.pop_front() {
-            for (used, span) in &self.files[file].files {
-                if component[*used] == component[start] && !from.contains_key(used) {
-                    from.insert(*used, (file, *span));
-                    open.push_back(*used);
-                }
-            }
-        }
-        let mut way = vec![from[&start]];
-        while way[way.len() - 1].0 != start {
-            way.push(from[&way[way.len() - 1].0]);
-        }
-        way.reverse();
-        way
-    }
-
-    fn cycle(&self, way: &[(usize, Span)]) -> Diagnostic {
+    fn cycle(&self, way: &[usize]) -> Diagnostic {
         let name = |file: usize| self.sources.get(SourceId(file as u32)).name.as_str();
-        let round: Vec<&str> = way.iter().chain(way.first()).map(|(file, _)| name(*file)).collect();
-        let (_, last) = way[way.len() - 1];
-        let title = format!("the module `{}` uses itself", name(way[0].0));
-        let diagnostic = Diagnostic::error(codes::MODULE_CYCLE, last, title)
-            .label(round.join(" -> "))
+        let place = |i: usize| {
+            let next = way[(i + 1) % way.len()];
+            let used = self.files[way[i]].files.iter().find(|(used, _)| *used == next);
+            used.expect("the way leads from use to use").1
+        };
+        let last = way.len() - 1;
+        let title = format!("the module `{}` uses itself", name(way[0]));
+        let diagnostic = Diagnostic::error(codes::MODULE_CYCLE, place(last), title)
+            .label(shown(way, name))
             .help("put what both need into a module of its own");
-        let others = &way[..way.len() - 1];
-        others
-            .iter()
-            .fold(diagnostic, |d, (file, span)| d.also(*span, format!("`{}` uses this", name(*file))))
+        let others = (0..last).take(MOST_SHOWN);
+        others.fold(diagnostic, |d, i| d.also(place(i), format!("`{}` uses this", name(way[i]))))
     }
 }

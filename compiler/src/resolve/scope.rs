@@ -1,14 +1,15 @@
 //! What a name means at the top level of each file: its own items and those of the files it uses, then those of the
 //! library modules it uses (the last `use` first), then the prelude's. Types and values live apart.
 
-use std::collections::{BTreeSet, HashMap};
+use std::cell::RefCell;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::load::{File, PRELUDE};
 use crate::builtins::{Builtin, Scope as Visibility};
 use crate::source::Span;
 use crate::typed::{ConstId, EnumId, FunctionId, Module, ParamId, RasterId, StructId};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Value {
     Function(FunctionId),
     Const(ConstId),
@@ -34,6 +35,8 @@ pub struct Scope {
     library: bool,
     /// The terrain built-ins can be named.
     terrain: bool,
+    /// The module that they are named by.
+    terrain_at: Option<usize>,
 }
 
 impl Scope {
@@ -86,7 +89,15 @@ pub fn is_private(name: &str) -> bool {
 
 /// The scopes of all files, by index.
 #[derive(Default)]
-pub struct Scopes(pub Vec<Scope>);
+pub struct Scopes(pub Vec<Scope>, RefCell<Lookups>);
+
+/// What was looked up so far, for warnings.
+#[derive(Default)]
+struct Lookups {
+    /// A file and the one that it took a name from.
+    modules: HashSet<(usize, usize)>,
+    values: HashSet<Value>,
+}
 
 impl Scopes {
     pub fn new(files: &[File]) -> Scopes {
@@ -94,9 +105,10 @@ impl Scopes {
             uses: file.uses.iter().copied().chain(file.files.iter().map(|(used, _)| *used)).collect(),
             library: file.library(),
             terrain: file.library() || file.uses.iter().any(|&u| files[u].module == "terrain"),
+            terrain_at: file.uses.iter().copied().find(|&u| files[u].module == "terrain"),
             ..Scope::default()
         };
-        Scopes(files.iter().map(scope).collect())
+        Scopes(files.iter().map(scope).collect(), RefCell::default())
     }
 
     /// One scope with every name of a module, the user's before the library's: for arguments of a program.
@@ -126,27 +138,49 @@ impl Scopes {
                 }
             }
         }
-        Scopes(vec![scope])
+        Scopes(vec![scope], RefCell::default())
+    }
+
+    /// The scope of nothing: only built-in names have a meaning.
+    pub fn empty() -> Scopes {
+        Scopes(vec![Scope::default()], RefCell::default())
     }
 
     pub fn value(&self, file: usize, name: &str) -> Option<Value> {
-        self.visible(file, name).find_map(|s| s.values.get(name)).map(|(value, _)| *value)
+        let found = |(at, s): (usize, &Scope)| s.values.get(name).map(|(value, _)| (at, *value));
+        let (at, value) = self.visible(file, name).find_map(found)?;
+        let mut lookups = self.1.borrow_mut();
+        lookups.modules.insert((file, at));
+        lookups.values.insert(value);
+        Some(value)
     }
 
     pub fn type_name(&self, file: usize, name: &str) -> Option<TypeName> {
-        self.visible(file, name).find_map(|s| s.types.get(name)).map(|(ty, _)| *ty)
+        let found = |(at, s): (usize, &Scope)| s.types.get(name).map(|(ty, _)| (at, *ty));
+        let (at, ty) = self.visible(file, name).find_map(found)?;
+        self.1.borrow_mut().modules.insert((file, at));
+        Some(ty)
+    }
+
+    /// Whether a file took a name from another.
+    pub fn is_used(&self, file: usize, module: usize) -> bool {
+        self.1.borrow().modules.contains(&(file, module))
+    }
+
+    /// Whether any file named this.
+    pub fn is_read(&self, value: Value) -> bool {
+        self.1.borrow().values.contains(&value)
     }
 
     /// Scopes in the order in which they are asked.
-    fn visible<'a>(&'a self, file: usize, name: &str) -> impl Iterator<Item = &'a Scope> {
+    fn visible<'a>(&'a self, file: usize, name: &str) -> impl Iterator<Item = (usize, &'a Scope)> {
         let private = is_private(name);
-        self.reachable(file).filter(move |(own, _)| *own || !private).map(|(_, scope)| scope)
+        self.reachable(file).filter(move |(at, _)| *at == file || !private)
     }
 
-    fn reachable(&self, file: usize) -> impl Iterator<Item = (bool, &Scope)> {
-        let own = &self.0[file];
-        let used = own.uses.iter().rev().chain(std::iter::once(&PRELUDE)).filter_map(|&u| self.0.get(u));
-        std::iter::once((true, own)).chain(used.map(|scope| (false, scope)))
+    fn reachable(&self, file: usize) -> impl Iterator<Item = (usize, &Scope)> {
+        let used = self.0[file].uses.iter().rev().chain(std::iter::once(&PRELUDE)).copied();
+        std::iter::once(file).chain(used).filter_map(|at| Some((at, self.0.get(at)?)))
     }
 
     /// Where a file that is not in scope defines a name.
@@ -161,7 +195,11 @@ impl Scopes {
         let builtin = Builtin::ALL.iter().copied().find(|b| b.name() == name)?;
         let visible = match builtin.scope() {
             Visibility::Everywhere => true,
-            Visibility::Terrain => scope.terrain,
+            Visibility::Terrain => {
+                let module = scope.terrain_at;
+                self.1.borrow_mut().modules.extend(module.map(|at| (file, at)));
+                scope.terrain
+            }
             Visibility::Library => scope.library,
         };
         visible.then_some(builtin)

@@ -1,6 +1,6 @@
 //! Types as written to [`Type`]s: names looked up, aliases expanded, array lengths computed.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use super::scope::{Scopes, TypeName, Value};
 use super::size::MAX_NODES;
@@ -8,6 +8,7 @@ use crate::ast::{self, ExprKind, Name, Operator, TypeKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::foreign;
+use crate::front::components::shown;
 use crate::source::Span;
 use crate::typed::{BinaryOp, Type};
 
@@ -38,9 +39,16 @@ pub struct Names<'a> {
     pub structs: Vec<usize>,
     pub enums: Vec<usize>,
     pub aliases: RefCell<Vec<Alias<'a>>>,
+    /// Aliases that are being expanded, each in the one before.
+    pub running: RefCell<Vec<usize>>,
     /// Constants as written, by id, with their files; empty where only finished types matter.
     pub consts: Vec<(usize, &'a ast::Const)>,
+    /// Nodes of all types so far.
+    pub written: Cell<u64>,
 }
+
+/// Most nodes of the types of all items.
+const MOST_WRITTEN: u64 = 4_000_000;
 
 pub struct Alias<'a> {
     pub file: usize,
@@ -67,6 +75,10 @@ pub struct Place<'a> {
 
 impl Names<'_> {
     pub fn ty(&self, place: Place, written: &ast::Type, out: &mut Vec<Diagnostic>) -> Type {
+        // That there is too much of it was reported.
+        if self.written.get() > MOST_WRITTEN {
+            return Type::Error;
+        }
         let mut all = |types: &[ast::Type]| types.iter().map(|t| self.ty(place, t, out)).collect::<Vec<_>>();
         let ty = match &written.kind {
             TypeKind::Error => Type::Error,
@@ -84,7 +96,9 @@ impl Names<'_> {
                 self.named(place, name, args, written.span, out)
             }
         };
-        if nodes(&ty) > MAX_NODES {
+        let size = nodes(&ty);
+        self.written.set(self.written.get().saturating_add(size));
+        if size > MAX_NODES || self.written.get() > MOST_WRITTEN {
             let title = "this type is too large";
             out.push(
                 Diagnostic::error(codes::TOO_LARGE, written.span, title)
@@ -172,8 +186,12 @@ impl Names<'_> {
             AliasState::Done(ty) => (count, ty),
             AliasState::Running => {
                 let title = format!("the type `{}` stands for itself", written.name.text);
+                let all = self.aliases.borrow();
+                let running = self.running.borrow();
+                let first = running.iter().position(|&i| i == index).unwrap_or(0);
                 out.push(
                     Diagnostic::error(codes::CYCLIC_ALIAS, written.name.span, title)
+                        .label(shown(&running[first..], |i| &all[i].written.name.text))
                         .also(used, "used here")
                         .help("an alias is only another name: use a struct or enum for a type of its own"),
                 );
@@ -181,8 +199,10 @@ impl Names<'_> {
             }
             AliasState::Waiting => {
                 self.aliases.borrow_mut()[index].state = AliasState::Running;
+                self.running.borrow_mut().push(index);
                 let generics = texts(&written.generics);
                 let ty = self.ty(Place { file, generics: &generics }, &written.ty, out);
+                self.running.borrow_mut().pop();
                 self.aliases.borrow_mut()[index].state = AliasState::Done(ty.clone());
                 (count, ty)
             }

@@ -238,14 +238,15 @@ pub struct Block {
 }
 
 /// What the source asked for with `@task` and `@inline`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Mark {
+    #[default]
     Auto,
     Task,
     Inline,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Function {
     /// Unique in the program; the source name, with a suffix where a function was specialised.
     pub name: String,

@@ -6,6 +6,8 @@
 mod common;
 mod dead;
 mod fold;
+mod hoist;
+mod identity;
 mod inline;
 mod motion;
 mod nesting;
@@ -20,23 +22,20 @@ pub type Pass = fn(&mut Program);
 /// All passes in order.
 pub const PASSES: &[(&str, Pass)] = &[
     ("unreachable functions", dead::unreachable),
-    ("fold constants and known branches", fold::fold),
+    ("constants, known branches, common subexpressions", fold::fold),
     ("unused values, parameters and results", dead::unused),
     ("parameters with one value", specialise::parameters),
     ("inline", inline::inline),
-    ("fold constants and known branches", fold::fold),
-    ("common subexpressions", common::common),
-    ("fold constants and known branches", fold::fold),
+    ("constants, known branches, common subexpressions", fold::fold),
     ("unused values, parameters and results", dead::unused),
     // What has lost parameters and branches may be small enough now.
     ("parameters with one value", specialise::parameters),
     ("inline", inline::inline),
-    ("fold constants and known branches", fold::fold),
-    ("operations that a loop repeats", motion::hoist),
-    ("common subexpressions", common::common),
+    ("constants, known branches, common subexpressions", fold::fold),
+    ("operations that a loop repeats", hoist::hoist),
     ("operations that one branch needs", motion::sink),
     ("choices", motion::choose),
-    ("fold constants and known branches", fold::fold),
+    ("constants, known branches, common subexpressions", fold::fold),
     ("unused values, parameters and results", dead::unused),
     ("unreachable functions", dead::unreachable),
     ("nesting", nesting::bound),
@@ -45,7 +44,7 @@ pub const PASSES: &[(&str, Pass)] = &[
 
 /// Cleans up after a pass that writes new functions, such as loop lifting.
 pub const CLEANING: &[(&str, Pass)] = &[
-    ("fold constants and known branches", fold::fold),
+    ("constants, known branches, common subexpressions", fold::fold),
     ("unused values, parameters and results", dead::unused),
     ("unreachable functions", dead::unreachable),
     ("number variables anew", dead::compact),

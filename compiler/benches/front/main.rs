@@ -101,5 +101,10 @@ fn phases(lines: usize) {
     report("split");
     let wgsl = wgsl::emit(&table, entry);
     report("wgsl");
-    eprintln!("{} tasks, {} helpers, {} bytes of WGSL", table.tasks.len(), table.helpers.len(), wgsl.text.len());
+    eprintln!(
+        "{} tasks, {} helpers, {} bytes of WGSL",
+        table.tasks.len(),
+        table.helpers.len(),
+        wgsl.text.len()
+    );
 }

@@ -1,52 +1,98 @@
 //! Walks over core that every pass needs: uses, definitions, calls, renumbering.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+
+use rustc_hash::FxHashSet;
 
 use super::{Atom, Block, FnId, Function, Op, Scalar, Stmt, Var};
 
 impl Op {
     /// The blocks inside, in order.
-    pub fn blocks(&self) -> Vec<&Block> {
-        match self {
-            Op::If(_, yes, no) => vec![yes, no],
-            Op::Loop(l) => vec![&l.cond, &l.body],
-            _ => Vec::new(),
-        }
+    pub fn blocks(&self) -> impl Iterator<Item = &Block> {
+        let (first, second) = match self {
+            Op::If(_, yes, no) => (Some(yes), Some(no)),
+            Op::Loop(l) => (Some(&l.cond), Some(&l.body)),
+            _ => (None, None),
+        };
+        first.into_iter().chain(second)
     }
 
-    pub fn blocks_mut(&mut self) -> Vec<&mut Block> {
-        match self {
-            Op::If(_, yes, no) => vec![yes, no],
-            Op::Loop(l) => vec![&mut l.cond, &mut l.body],
-            _ => Vec::new(),
-        }
+    pub fn blocks_mut(&mut self) -> impl Iterator<Item = &mut Block> {
+        let (first, second) = match self {
+            Op::If(_, yes, no) => (Some(yes), Some(no)),
+            Op::Loop(l) => (Some(&mut l.cond), Some(&mut l.body)),
+            _ => (None, None),
+        };
+        first.into_iter().chain(second)
     }
 
     /// Operands, without those in blocks inside.
-    pub fn operands(&self) -> Vec<Atom> {
-        match self {
-            Op::Prim(_, _, args) | Op::Intrinsic(_, args) | Op::Call(_, args) => args.clone(),
-            Op::Live(_) => Vec::new(),
-            Op::If(cond, ..) => vec![*cond],
-            Op::Loop(l) => l.state.iter().map(|(_, init)| *init).collect(),
-        }
+    pub fn operands(&self) -> impl Iterator<Item = Atom> + '_ {
+        let (args, cond, state): (&[Atom], _, &[(Var, Atom)]) = match self {
+            Op::Prim(_, _, args) | Op::Intrinsic(_, args) | Op::Call(_, args) => (args, None, &[]),
+            Op::Live(_) => (&[], None, &[]),
+            Op::If(cond, ..) => (&[], Some(*cond), &[]),
+            Op::Loop(l) => (&[], None, &l.state),
+        };
+        args.iter().copied().chain(cond).chain(state.iter().map(|(_, init)| *init))
     }
 
-    pub fn operands_mut(&mut self) -> Vec<&mut Atom> {
-        match self {
-            Op::Prim(_, _, args) | Op::Intrinsic(_, args) | Op::Call(_, args) => args.iter_mut().collect(),
-            Op::Live(_) => Vec::new(),
-            Op::If(cond, ..) => vec![cond],
-            Op::Loop(l) => l.state.iter_mut().map(|(_, init)| init).collect(),
-        }
+    pub fn operands_mut(&mut self) -> impl Iterator<Item = &mut Atom> {
+        let (args, cond, state): (&mut [Atom], _, &mut [(Var, Atom)]) = match self {
+            Op::Prim(_, _, args) | Op::Intrinsic(_, args) | Op::Call(_, args) => (args, None, &mut []),
+            Op::Live(_) => (&mut [], None, &mut []),
+            Op::If(cond, ..) => (&mut [], Some(cond), &mut []),
+            Op::Loop(l) => (&mut [], None, &mut l.state),
+        };
+        args.iter_mut().chain(cond).chain(state.iter_mut().map(|(_, init)| init))
     }
 
     /// Variables that the operation itself defines for its blocks.
-    pub fn binders(&self) -> Vec<Var> {
-        match self {
-            Op::Loop(l) => l.state.iter().map(|(v, _)| *v).collect(),
-            _ => Vec::new(),
+    pub fn binders(&self) -> impl Iterator<Item = Var> + '_ {
+        let state: &[(Var, Atom)] = match self {
+            Op::Loop(l) => &l.state,
+            _ => &[],
+        };
+        state.iter().map(|(v, _)| *v)
+    }
+}
+
+/// Values of some variables of one function.
+pub struct VarMap<T>(Vec<Option<T>>);
+
+impl<T: Copy> VarMap<T> {
+    pub fn new() -> Self {
+        VarMap(Vec::new())
+    }
+
+    pub fn get(&self, v: Var) -> Option<T> {
+        self.0.get(v.0 as usize).copied().flatten()
+    }
+
+    /// What was there before.
+    pub fn set(&mut self, v: Var, value: Option<T>) -> Option<T> {
+        let at = v.0 as usize;
+        if at >= self.0.len() {
+            if value.is_none() {
+                return None;
+            }
+            self.0.resize(at + 1, None);
         }
+        std::mem::replace(&mut self.0[at], value)
+    }
+
+    pub fn insert(&mut self, v: Var, value: T) {
+        self.set(v, Some(value));
+    }
+
+    pub fn extend(&mut self, entries: impl IntoIterator<Item = (Var, T)>) {
+        entries.into_iter().for_each(|(v, value)| self.insert(v, value));
+    }
+}
+
+impl<T: Copy> Default for VarMap<T> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -93,7 +139,7 @@ pub fn size(stmts: &[Stmt]) -> usize {
 #[derive(Default)]
 pub struct Free {
     found: Vec<Var>,
-    seen: HashSet<Var>,
+    seen: FxHashSet<Var>,
 }
 
 impl Free {
@@ -103,19 +149,21 @@ impl Free {
     }
 
     pub fn atoms(&mut self, atoms: &[Atom]) {
-        for atom in atoms {
-            if let Atom::Var(v) = atom
-                && self.seen.insert(*v)
-            {
-                self.found.push(*v);
-            }
+        atoms.iter().for_each(|a| self.atom(*a));
+    }
+
+    fn atom(&mut self, atom: Atom) {
+        if let Atom::Var(v) = atom
+            && self.seen.insert(v)
+        {
+            self.found.push(v);
         }
     }
 
     pub fn stmts(&mut self, stmts: &[Stmt]) {
         for stmt in stmts {
-            self.atoms(&stmt.op.operands());
-            self.bind(&stmt.op.binders());
+            stmt.op.operands().for_each(|a| self.atom(a));
+            self.seen.extend(stmt.op.binders());
             for block in stmt.op.blocks() {
                 self.block(block);
             }
@@ -141,21 +189,16 @@ pub fn free_in_stmt(stmt: &Stmt) -> Vec<Var> {
 
 /// Does the statement use one of the variables?
 pub fn mentions(stmt: &Stmt, vars: &HashSet<Var>) -> bool {
-    let wanted = |a: &Atom| matches!(a, Atom::Var(v) if vars.contains(v));
-    let own = match &stmt.op {
-        Op::Prim(_, _, args) | Op::Intrinsic(_, args) | Op::Call(_, args) => args.iter().any(wanted),
-        Op::Live(_) => false,
-        Op::If(cond, ..) => wanted(cond),
-        Op::Loop(l) => l.state.iter().any(|(_, init)| wanted(init)),
-    };
-    let inside = |b: &Block| b.results.iter().any(wanted) || b.stmts.iter().any(|s| mentions(s, vars));
-    own || stmt.op.blocks().into_iter().any(inside)
+    let wanted = |a: Atom| matches!(a, Atom::Var(v) if vars.contains(&v));
+    let inside =
+        |b: &Block| b.results.iter().any(|a| wanted(*a)) || b.stmts.iter().any(|s| mentions(s, vars));
+    stmt.op.operands().any(wanted) || stmt.op.blocks().any(inside)
 }
 
 /// Copies statements into another variable space: definitions get new numbers, uses follow.
 pub struct Renumber<'a> {
     /// What a variable of the old space has become.
-    pub map: HashMap<Var, Atom>,
+    pub map: VarMap<Atom>,
     old: &'a [Scalar],
     pub new: Vec<Scalar>,
 }
@@ -163,7 +206,7 @@ pub struct Renumber<'a> {
 impl<'a> Renumber<'a> {
     /// From the space `old` to the space that `new` begins.
     pub fn new(old: &'a [Scalar], new: Vec<Scalar>) -> Self {
-        Renumber { map: HashMap::new(), old, new }
+        Renumber { map: VarMap::new(), old, new }
     }
 
     pub fn define(&mut self, v: Var) -> Var {
@@ -179,7 +222,7 @@ impl<'a> Renumber<'a> {
 
     pub fn atom(&self, atom: Atom) -> Atom {
         match atom {
-            Atom::Var(v) => *self.map.get(&v).unwrap_or(&atom),
+            Atom::Var(v) => self.map.get(v).unwrap_or(atom),
             Atom::Const(_) => atom,
         }
     }
@@ -216,10 +259,80 @@ impl<'a> Renumber<'a> {
     }
 }
 
+/// Replaces uses of variables; definitions stay.
+pub fn substitute(block: &mut Block, with: &impl Fn(Var) -> Option<Atom>) {
+    let put = |atom: &mut Atom| {
+        if let Atom::Var(v) = atom {
+            *atom = with(*v).unwrap_or(*atom);
+        }
+    };
+    for stmt in &mut block.stmts {
+        stmt.op.operands_mut().for_each(put);
+        stmt.op.blocks_mut().for_each(|b| substitute(b, with));
+    }
+    block.results.iter_mut().for_each(put);
+}
+
 /// Numbers the variables of a function in the order of their definitions and drops unused numbers.
 pub fn compact(f: &mut Function) {
-    let mut renumber = Renumber::new(&f.vars, Vec::new());
-    let params = renumber.defines(&f.params);
-    let body = renumber.block(&f.body);
-    (f.params, f.body, f.vars) = (params, body, renumber.new);
+    let mut compact = Compact { number: VarMap::new(), old: &f.vars, new: Vec::with_capacity(f.vars.len()) };
+    compact.define(&mut f.params);
+    compact.block(&mut f.body);
+    f.vars = compact.new;
+}
+
+struct Compact<'a> {
+    number: VarMap<Var>,
+    old: &'a [Scalar],
+    new: Vec<Scalar>,
+}
+
+impl Compact<'_> {
+    fn define<'v>(&mut self, vars: impl IntoIterator<Item = &'v mut Var>) {
+        for v in vars {
+            let fresh = Var(self.new.len() as u32);
+            self.new.push(self.old[v.0 as usize]);
+            self.number.insert(*v, fresh);
+            *v = fresh;
+        }
+    }
+
+    fn atom(&self, atom: &mut Atom) {
+        if let Atom::Var(v) = atom
+            && let Some(number) = self.number.get(*v)
+        {
+            *v = number;
+        }
+    }
+
+    fn block(&mut self, block: &mut Block) {
+        for stmt in &mut block.stmts {
+            stmt.op.operands_mut().for_each(|a| self.atom(a));
+            self.define(&mut stmt.dst);
+            if let Op::Loop(l) = &mut stmt.op {
+                self.define(l.state.iter_mut().map(|(v, _)| v));
+            }
+            stmt.op.blocks_mut().for_each(|b| self.block(b));
+        }
+        block.results.iter_mut().for_each(|a| self.atom(a));
+    }
+}
+
+/// Moves a block into a variable space that its own was appended to at `base`; its parameters become atoms there.
+pub fn relocate(block: &mut Block, base: u32, params: &VarMap<Atom>) {
+    let moved = |v: &mut Var| v.0 += base;
+    let atom = |atom: &mut Atom| {
+        if let Atom::Var(v) = atom {
+            *atom = params.get(*v).unwrap_or(Atom::Var(Var(v.0 + base)));
+        }
+    };
+    for stmt in &mut block.stmts {
+        stmt.op.operands_mut().for_each(atom);
+        stmt.dst.iter_mut().for_each(moved);
+        if let Op::Loop(l) = &mut stmt.op {
+            l.state.iter_mut().for_each(|(v, _)| moved(v));
+        }
+        stmt.op.blocks_mut().for_each(|b| relocate(b, base, params));
+    }
+    block.results.iter_mut().for_each(atom);
 }

@@ -1,81 +1,76 @@
-//! Common subexpressions: an operation that was already evaluated in this block or one around it is not
-//! evaluated again. Calls count, functions being pure.
+//! Common subexpressions: operations that were already evaluated in this block or one around it. Calls count,
+//! functions being pure. [`super::fold`] asks for each operation that it keeps.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
+use std::collections::hash_map::Entry;
 
-use crate::core::{Atom, Block, FnId, Intrinsic, Op, Prim, Program, Scalar, Var};
+use crate::core::{Atom, FnId, Intrinsic, Op, Prim, Scalar, Var};
 
-pub fn common(program: &mut Program) {
-    for f in &mut program.functions {
-        let mut seen = Seen { found: HashMap::new(), known: HashMap::new() };
-        seen.block(&mut f.body);
-    }
-}
+type Args = SmallVec<[Atom; 4]>;
+type Results = SmallVec<[Var; 2]>;
 
-#[derive(Clone, PartialEq, Eq, Hash)]
-enum Key {
-    Prim(Prim, Scalar, Vec<Atom>),
-    Intrinsic(Intrinsic, Vec<Atom>),
-    Call(FnId, Vec<Atom>),
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum What {
+    Prim(Prim, Scalar),
+    Intrinsic(Intrinsic),
+    Call(FnId),
     Live(u32),
 }
 
+type Key = (What, Args);
+
 fn key(op: &Op) -> Option<Key> {
-    match op {
+    Some(match op {
         Op::Prim(prim, scalar, args) => {
-            let mut args = args.clone();
+            let mut args = Args::from_slice(args);
             if prim.commutes() {
                 args.sort_by_key(|a| match a {
                     Atom::Var(v) => (0, v.0),
                     Atom::Const(c) => (1, c.word()),
                 });
             }
-            Some(Key::Prim(*prim, *scalar, args))
+            (What::Prim(*prim, *scalar), args)
         }
-        Op::Intrinsic(i, args) => Some(Key::Intrinsic(*i, args.clone())),
-        Op::Call(id, args) => Some(Key::Call(*id, args.clone())),
-        Op::Live(word) => Some(Key::Live(*word)),
-        Op::If(..) | Op::Loop(_) => None,
-    }
+        Op::Intrinsic(i, args) => (What::Intrinsic(*i), Args::from_slice(args)),
+        Op::Call(id, args) => (What::Call(*id), Args::from_slice(args)),
+        Op::Live(word) => (What::Live(*word), Args::new()),
+        Op::If(..) | Op::Loop(_) => return None,
+    })
 }
 
-struct Seen {
-    found: HashMap<Key, Vec<Var>>,
-    /// Variables replaced by an earlier one.
-    known: HashMap<Var, Var>,
+/// The operations seen in a block and those around it.
+#[derive(Default)]
+pub struct Seen {
+    found: FxHashMap<Key, Results>,
+    /// Keys of `found`, those of inner blocks last.
+    entered: Vec<Key>,
 }
+
+/// Where a block began.
+pub struct Scope(usize);
 
 impl Seen {
-    fn replace(&self, atom: &mut Atom) {
-        if let Atom::Var(v) = atom
-            && let Some(earlier) = self.known.get(v)
-        {
-            *v = *earlier;
+    pub fn enter(&self) -> Scope {
+        Scope(self.entered.len())
+    }
+
+    /// Forgets what was seen since.
+    pub fn leave(&mut self, scope: Scope) {
+        for key in self.entered.drain(scope.0..) {
+            self.found.remove(&key);
         }
     }
 
-    fn block(&mut self, block: &mut Block) {
-        let mut entered = Vec::new();
-        let mut kept = Vec::with_capacity(block.stmts.len());
-        for mut stmt in std::mem::take(&mut block.stmts) {
-            stmt.op.operands_mut().into_iter().for_each(|a| self.replace(a));
-            let Some(key) = key(&stmt.op) else {
-                stmt.op.blocks_mut().into_iter().for_each(|inner| self.block(inner));
-                kept.push(stmt);
-                continue;
-            };
-            if let Some(earlier) = self.found.get(&key) {
-                self.known.extend(stmt.dst.iter().copied().zip(earlier.iter().copied()));
-                continue;
+    /// Results of an equal operation; remembers `dst` as its results if there was none.
+    pub fn earlier(&mut self, op: &Op, dst: &[Var]) -> Option<&[Var]> {
+        match self.found.entry(key(op)?) {
+            Entry::Occupied(entry) => Some(entry.into_mut()),
+            Entry::Vacant(entry) => {
+                self.entered.push(entry.key().clone());
+                entry.insert(Results::from_slice(dst));
+                None
             }
-            self.found.insert(key.clone(), stmt.dst.clone());
-            entered.push(key);
-            kept.push(stmt);
-        }
-        block.stmts = kept;
-        block.results.iter_mut().for_each(|a| self.replace(a));
-        for key in entered {
-            self.found.remove(&key);
         }
     }
 }

@@ -4,16 +4,16 @@
 //! It is optimistic: everything is unneeded until the entry's results come to need it, which also finds loop state
 //! and recursive parameters that only keep themselves alive.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::core::graph::Graph;
-use crate::core::walk::{self, map_calls, statements};
+use crate::core::walk::{self, VarMap, map_calls, statements};
 use crate::core::{Atom, Block, FnId, Function, Op, Program, Stmt, Var};
 
 /// Removes functions that the entry does not reach.
 pub fn unreachable(program: &mut Program) {
     let reached = Graph::new(&program.functions).reached(program.entry as usize);
-    let mut number = HashMap::new();
+    let mut number = FxHashMap::default();
     for (f, reached) in reached.iter().enumerate() {
         if *reached {
             number.insert(f as u32, number.len() as u32);
@@ -71,7 +71,7 @@ struct Needs {
 
 struct Mark<'a> {
     functions: &'a [Function],
-    definitions: Vec<HashMap<Var, Definition<'a>>>,
+    definitions: Vec<VarMap<Definition<'a>>>,
     needs: Needs,
     open: Vec<Value>,
     /// Calls that are needed, by callee: caller and arguments.
@@ -102,12 +102,12 @@ impl Needs {
     }
 }
 
-fn definitions(f: &Function) -> HashMap<Var, Definition<'_>> {
-    let params = f.params.iter().enumerate().map(|(i, v)| (*v, Definition::Param(i)));
-    let mut all: HashMap<_, _> = params.collect();
+fn definitions(f: &Function) -> VarMap<Definition<'_>> {
+    let mut all = VarMap::new();
+    all.extend(f.params.iter().enumerate().map(|(i, v)| (*v, Definition::Param(i))));
     statements(&f.body.stmts, &mut |stmt| {
         all.extend(stmt.dst.iter().enumerate().map(|(i, v)| (*v, Definition::Stmt(stmt, i))));
-        all.extend(stmt.op.binders().into_iter().enumerate().map(|(i, v)| (v, Definition::State(stmt, i))));
+        all.extend(stmt.op.binders().enumerate().map(|(i, v)| (v, Definition::State(stmt, i))));
     });
     all
 }
@@ -136,7 +136,7 @@ impl<'a> Mark<'a> {
             Value::Result(f, i) => return self.atom(f, self.functions[f].body.results[i]),
             Value::Var(f, v) => (f, v),
         };
-        match self.definitions[f].get(&v).copied() {
+        match self.definitions[f].get(v) {
             Some(Definition::Param(i)) => self.param(f, i),
             Some(Definition::Stmt(stmt, i)) => self.destination(f, stmt, i),
             Some(Definition::State(stmt, i)) => self.state(f, stmt, i),
@@ -146,7 +146,8 @@ impl<'a> Mark<'a> {
 
     fn param(&mut self, f: usize, i: usize) {
         self.needs.params[f][i] = true;
-        for (caller, args) in self.calls[f].clone() {
+        for at in 0..self.calls[f].len() {
+            let (caller, args) = self.calls[f][at];
             self.atom(caller, args[i]);
         }
     }

@@ -1,34 +1,40 @@
-//! Folds constants, exact identities and branches whose condition is known; copies disappear on the way, because a
+//! Folds constants, exact identities, branches whose condition is known and operations that were already evaluated
+//! ([`super::common`]), all in one walk, because each makes work for the others. Copies disappear on the way: a
 //! variable that equals an atom is replaced by it.
-//!
-//! Only identities that hold for every value are used: for floats `x - 0`, `x * 1`, `x / 1`, but not `x + 0`
-//! (which turns -0 into 0) and not `x * 0`.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
+use super::common::Seen;
+use super::identity::{as_const, identity};
+use crate::core::walk::VarMap;
 use crate::core::{Atom, Block, Const, Function, Loop, Op, Prim, Program, Scalar, Stmt, Var};
 use crate::scalar;
 
 pub fn fold(program: &mut Program) {
     for f in &mut program.functions {
-        let mut folder = Folder { known: HashMap::new(), defined: HashMap::new() };
+        let mut folder = Folder::default();
         let mut body = std::mem::take(&mut f.body);
         folder.block(f, &mut body);
         f.body = body;
     }
 }
 
+/// An operation of one or two operands; the first stands twice if there is one.
+type Definition = (Prim, Scalar, [Atom; 2]);
+
+#[derive(Default)]
 struct Folder {
     /// Variables that equal an atom.
-    known: HashMap<Var, Atom>,
-    /// Operations of one result that were kept, to look through.
-    defined: HashMap<Var, (Prim, Scalar, Vec<Atom>)>,
+    known: VarMap<Atom>,
+    /// Operations that were kept, to look through.
+    defined: VarMap<Definition>,
+    seen: Seen,
 }
 
 impl Folder {
     fn atom(&self, atom: Atom) -> Atom {
         match atom {
-            Atom::Var(v) => *self.known.get(&v).unwrap_or(&atom),
+            Atom::Var(v) => self.known.get(v).unwrap_or(atom),
             Atom::Const(_) => atom,
         }
     }
@@ -44,12 +50,14 @@ impl Folder {
     }
 
     fn block(&mut self, f: &mut Function, block: &mut Block) {
+        let scope = self.seen.enter();
         let mut kept = Vec::with_capacity(block.stmts.len());
         for stmt in std::mem::take(&mut block.stmts) {
             self.stmt(f, stmt, &mut kept);
         }
         block.stmts = kept;
         self.replace(&mut block.results);
+        self.seen.leave(scope);
     }
 
     fn stmt(&mut self, f: &mut Function, mut stmt: Stmt, kept: &mut Vec<Stmt>) {
@@ -60,7 +68,15 @@ impl Folder {
             Op::Prim(prim, on, args) => self.prim(stmt.dst, prim, on, args, kept),
             Op::If(cond, yes, no) => self.branch(f, stmt.dst, cond, yes, no, kept),
             Op::Loop(l) => self.looped(f, stmt.dst, l, kept),
-            op @ (Op::Intrinsic(..) | Op::Call(..) | Op::Live(_)) => kept.push(Stmt { dst: stmt.dst, op }),
+            op @ (Op::Intrinsic(..) | Op::Call(..) | Op::Live(_)) => self.keep(stmt.dst, op, kept),
+        }
+    }
+
+    /// Unless the operation was evaluated before.
+    fn keep(&mut self, dst: Vec<Var>, op: Op, kept: &mut Vec<Stmt>) {
+        match self.seen.earlier(&op, &dst) {
+            Some(earlier) => self.known.extend(dst.into_iter().zip(earlier.iter().map(|v| Atom::Var(*v)))),
+            None => kept.push(Stmt { dst, op }),
         }
     }
 
@@ -74,8 +90,10 @@ impl Folder {
                 Simpler::No => break,
             }
         }
-        self.defined.insert(dst[0], (prim, on, args.clone()));
-        kept.push(Stmt { dst, op: Op::Prim(prim, on, args) });
+        if let [a] | [a, _] = args[..] {
+            self.defined.insert(dst[0], (prim, on, [a, *args.last().unwrap_or(&a)]));
+        }
+        self.keep(dst, Op::Prim(prim, on, args), kept);
     }
 
     fn simpler(&self, prim: Prim, on: Scalar, args: &[Atom]) -> Simpler {
@@ -92,7 +110,7 @@ impl Folder {
     /// Simplifications that look at what an operand is.
     fn through(&self, prim: Prim, on: Scalar, args: &[Atom]) -> Option<Simpler> {
         let definition = |atom: Atom| match atom {
-            Atom::Var(v) => self.defined.get(&v),
+            Atom::Var(v) => self.defined.get(v),
             Atom::Const(_) => None,
         };
         // select(a, b, !c) = select(b, a, c)
@@ -102,6 +120,9 @@ impl Folder {
                 _ => None,
             };
         }
+        if let Some(sum) = constants_added_up(prim, on, args, definition) {
+            return Some(sum);
+        }
         let [arg] = args else { return None };
         let (inner, inner_on, inner_args) = definition(*arg)?;
         let undone = match (prim, inner) {
@@ -109,20 +130,20 @@ impl Folder {
             (Prim::BitcastI32 | Prim::BitcastU32 | Prim::BitcastF32, Prim::BitcastI32)
             | (Prim::BitcastI32 | Prim::BitcastU32 | Prim::BitcastF32, Prim::BitcastU32)
             | (Prim::BitcastI32 | Prim::BitcastU32 | Prim::BitcastF32, Prim::BitcastF32) => {
-                if prim.result(on) != *inner_on {
-                    return Some(Simpler::Prim(prim, *inner_on, inner_args.clone()));
+                if prim.result(on) != inner_on {
+                    return Some(Simpler::Prim(prim, inner_on, vec![inner_args[0]]));
                 }
                 true
             }
             // !(a == b) and integer order; float order has NaN
-            (Prim::Not, Prim::Eq) => return Some(Simpler::Prim(Prim::Ne, *inner_on, inner_args.clone())),
-            (Prim::Not, Prim::Ne) => return Some(Simpler::Prim(Prim::Eq, *inner_on, inner_args.clone())),
-            (Prim::Not, Prim::Lt | Prim::Le) if *inner_on != Scalar::F32 => {
-                let turned = if *inner == Prim::Lt { Prim::Le } else { Prim::Lt };
-                return Some(Simpler::Prim(turned, *inner_on, vec![inner_args[1], inner_args[0]]));
+            (Prim::Not, Prim::Eq) => return Some(Simpler::Prim(Prim::Ne, inner_on, inner_args.to_vec())),
+            (Prim::Not, Prim::Ne) => return Some(Simpler::Prim(Prim::Eq, inner_on, inner_args.to_vec())),
+            (Prim::Not, Prim::Lt | Prim::Le) if inner_on != Scalar::F32 => {
+                let turned = if inner == Prim::Lt { Prim::Le } else { Prim::Lt };
+                return Some(Simpler::Prim(turned, inner_on, vec![inner_args[1], inner_args[0]]));
             }
             // bool -> word -> bool
-            (Prim::ToBool, Prim::ToI32 | Prim::ToU32) if *inner_on == Scalar::Bool => true,
+            (Prim::ToBool, Prim::ToI32 | Prim::ToU32) if inner_on == Scalar::Bool => true,
             _ => false,
         };
         undone.then(|| Simpler::Atom(inner_args[0]))
@@ -146,10 +167,9 @@ impl Folder {
         }
         // if !c { a } else { b } = if c { b } else { a }
         if let Atom::Var(v) = cond
-            && let Some((Prim::Not, _, inner)) = self.defined.get(&v)
+            && let Some((Prim::Not, _, inner)) = self.defined.get(v)
         {
-            let inner = inner[0];
-            return self.branch(f, dst, inner, no, yes, kept);
+            return self.branch(f, dst, inner[0], no, yes, kept);
         }
         self.assuming(cond, true, |folder| folder.block(f, &mut yes));
         self.assuming(cond, false, |folder| folder.block(f, &mut no));
@@ -184,12 +204,9 @@ impl Folder {
     /// In a branch its condition is known.
     fn assuming(&mut self, cond: Atom, value: bool, inside: impl FnOnce(&mut Folder)) {
         let Atom::Var(v) = cond else { return inside(self) };
-        let before = self.known.insert(v, Atom::Const(Const::Bool(value)));
+        let before = self.known.set(v, Some(Atom::Const(Const::Bool(value))));
         inside(self);
-        match before {
-            Some(atom) => self.known.insert(v, atom),
-            None => self.known.remove(&v),
-        };
+        self.known.set(v, before);
     }
 
     fn looped(&mut self, f: &mut Function, dst: Vec<Var>, mut l: Loop, kept: &mut Vec<Stmt>) {
@@ -222,17 +239,29 @@ impl Folder {
     }
 }
 
+/// `(x + 2) + 1 = x + 3`, for integers only: they wrap, floats would be rounded differently.
+fn constants_added_up(
+    prim: Prim,
+    on: Scalar,
+    args: &[Atom],
+    definition: impl Fn(Atom) -> Option<Definition>,
+) -> Option<Simpler> {
+    let summand = |prim: Prim, c: Const| match prim {
+        Prim::Add => Some(c.word()),
+        Prim::Sub => Some(c.word().wrapping_neg()),
+        _ => None,
+    };
+    let ([x, Atom::Const(c)], Scalar::I32 | Scalar::U32) = (args, on) else { return None };
+    let (inner, _, [x, Atom::Const(d)]) = definition(*x)? else { return None };
+    let sum = summand(prim, *c)?.wrapping_add(summand(inner, d)?);
+    let (prim, word) = if (sum as i32) < 0 { (Prim::Sub, sum.wrapping_neg()) } else { (Prim::Add, sum) };
+    Some(Simpler::Prim(prim, on, vec![x, Atom::Const(Const::from_word(on, word))]))
+}
+
 enum Simpler {
     Atom(Atom),
     Prim(Prim, Scalar, Vec<Atom>),
     No,
-}
-
-fn as_const(atom: Atom) -> Option<Const> {
-    match atom {
-        Atom::Const(c) => Some(c),
-        Atom::Var(_) => None,
-    }
 }
 
 /// Is the atom defined outside the block? (Results equal in both branches can only be, variables being unique.)
@@ -245,9 +274,9 @@ fn is_outside(atom: Atom, block: &Block) -> bool {
 
 /// The condition is false for the first state, by constants alone.
 fn never_entered(l: &Loop) -> bool {
-    let mut values: HashMap<Var, Const> =
+    let mut values: FxHashMap<Var, Const> =
         l.state.iter().filter_map(|(v, init)| Some((*v, as_const(*init)?))).collect();
-    let value = |values: &HashMap<Var, Const>, atom: Atom| match atom {
+    let value = |values: &FxHashMap<Var, Const>, atom: Atom| match atom {
         Atom::Const(c) => Some(c),
         Atom::Var(v) => values.get(&v).copied(),
     };
@@ -261,75 +290,6 @@ fn never_entered(l: &Loop) -> bool {
     value(&values, l.cond.results[0]) == Some(Const::Bool(false))
 }
 
-fn is_word(atom: Atom, word: u32) -> bool {
-    matches!(as_const(atom), Some(c @ (Const::I32(_) | Const::U32(_))) if c.word() == word)
-}
-
-fn is_float(atom: Atom, value: f32) -> bool {
-    as_const(atom) == Some(Const::f32(value))
-}
-
-/// An operand or constant that the operation always equals.
-fn identity(prim: Prim, on: Scalar, args: &[Atom]) -> Option<Atom> {
-    use Prim::*;
-    let zero = Atom::Const(Const::from_word(on, 0));
-    match (prim, on, args) {
-        (Select, _, [no, yes, cond]) => match as_const(*cond) {
-            Some(Const::Bool(c)) => Some(if c { *yes } else { *no }),
-            _ if no == yes => Some(*no),
-            _ if on == Scalar::Bool && is_bool(*no, false) && is_bool(*yes, true) => Some(*cond),
-            _ => None,
-        },
-        (Index, _, [index, elements @ ..]) => match as_const(*index) {
-            Some(Const::I32(i)) => elements.get((i.max(0) as usize).min(elements.len() - 1)).copied(),
-            _ if elements.iter().all(|e| *e == elements[0]) => elements.first().copied(),
-            _ => None,
-        },
-        (ToBool, Scalar::Bool, [a]) | (ToI32 | BitcastI32, Scalar::I32, [a]) => Some(*a),
-        (ToU32 | BitcastU32, Scalar::U32, [a]) | (ToF32 | BitcastF32, Scalar::F32, [a]) => Some(*a),
-        (_, Scalar::F32, [a, b]) => match prim {
-            Sub if is_float(*b, 0.0) => Some(*a),
-            Add if is_float(*b, -0.0) => Some(*a),
-            Add if is_float(*a, -0.0) => Some(*b),
-            Mul | Div if is_float(*b, 1.0) => Some(*a),
-            Mul if is_float(*a, 1.0) => Some(*b),
-            Min | Max if a == b => Some(*a),
-            _ => None,
-        },
-        (_, Scalar::Bool, [a, b]) => match (prim, as_const(*a), as_const(*b)) {
-            (And, Some(Const::Bool(true)), _) | (Or, Some(Const::Bool(false)), _) => Some(*b),
-            (And, _, Some(Const::Bool(true))) | (Or, _, Some(Const::Bool(false))) => Some(*a),
-            (And, Some(c), _) | (Or, Some(c), _) | (And, _, Some(c)) | (Or, _, Some(c)) => {
-                Some(Atom::Const(c))
-            }
-            (Xor | Ne, Some(Const::Bool(false)), _) | (Eq, Some(Const::Bool(true)), _) => Some(*b),
-            (Xor | Ne, _, Some(Const::Bool(false))) | (Eq, _, Some(Const::Bool(true))) => Some(*a),
-            (And | Or, ..) if a == b => Some(*a),
-            (Xor | Ne, ..) if a == b => Some(zero),
-            (Eq, ..) if a == b => Some(Atom::Const(Const::Bool(true))),
-            _ => None,
-        },
-        (_, Scalar::I32 | Scalar::U32, [a, b]) => match prim {
-            Add | Or | Xor if is_word(*a, 0) => Some(*b),
-            Add | Sub | Or | Xor | Shl | Shr if is_word(*b, 0) => Some(*a),
-            Mul if is_word(*a, 1) => Some(*b),
-            Mul | Div if is_word(*b, 1) => Some(*a),
-            // x / 0 = x
-            Div if is_word(*b, 0) => Some(*a),
-            Rem if is_word(*b, 0) || is_word(*b, 1) => Some(zero),
-            Mul | And if is_word(*a, 0) || is_word(*b, 0) => Some(zero),
-            And if is_word(*a, u32::MAX) => Some(*b),
-            And if is_word(*b, u32::MAX) => Some(*a),
-            And | Or | Min | Max if a == b => Some(*a),
-            Sub | Xor if a == b => Some(zero),
-            Eq | Le if a == b => Some(Atom::Const(Const::Bool(true))),
-            Ne | Lt if a == b => Some(Atom::Const(Const::Bool(false))),
-            _ => None,
-        },
-        _ => None,
-    }
-}
-
 /// `if c { yes } else { no }` as an operation on Bool.
 fn logic(cond: Atom, yes: Atom, no: Atom) -> Option<(Prim, Vec<Atom>)> {
     match (as_const(yes), as_const(no)) {
@@ -339,8 +299,4 @@ fn logic(cond: Atom, yes: Atom, no: Atom) -> Option<(Prim, Vec<Atom>)> {
         (None, Some(Const::Bool(false))) => Some((Prim::And, vec![cond, yes])),
         _ => None,
     }
-}
-
-fn is_bool(atom: Atom, value: bool) -> bool {
-    as_const(atom) == Some(Const::Bool(value))
 }

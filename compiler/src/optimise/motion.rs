@@ -2,14 +2,13 @@
 //!
 //! - [`sink`]: what only one branch of an `if` uses is evaluated in that branch. Calls of tasks stay where they are,
 //!   because there they can go out together with others.
-//! - [`hoist`]: scalar operations in a loop that do not depend on its state are evaluated before it.
 //! - [`choose`]: an `if` with nothing left to evaluate in its branches becomes a `select`. Last, because such an
 //!   `if` can still take in what [`sink`] moves.
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::FxHashMap;
 
 use crate::core::walk::{Free, free_in_stmt};
-use crate::core::{Atom, Block, Function, Intrinsic, Loop, Op, Prim, Program, Stmt, Var};
+use crate::core::{Atom, Block, Function, Op, Prim, Program, Stmt, Var};
 use crate::split::tasks;
 
 pub fn sink(program: &mut Program) {
@@ -28,13 +27,13 @@ enum Site {
 }
 
 fn sink_in(block: &mut Block, is_task: &[bool]) {
-    let mut sites: HashMap<Var, Site> = HashMap::new();
+    let mut sites: FxHashMap<Var, Site> = FxHashMap::default();
     let mut results = Free::default();
     results.atoms(&block.results);
     sites.extend(results.vars().into_iter().map(|v| (v, Site::Elsewhere)));
 
     // From the last statement to the first, so that a moved statement takes its operands along.
-    let mut moved: HashMap<(usize, usize), Vec<Stmt>> = HashMap::new();
+    let mut moved: FxHashMap<(usize, usize), Vec<Stmt>> = FxHashMap::default();
     let mut kept: Vec<(usize, Stmt)> = Vec::new();
     for (at, stmt) in std::mem::take(&mut block.stmts).into_iter().enumerate().rev() {
         let target = target(&stmt, &sites).filter(|_| may_move(&stmt, is_task));
@@ -46,12 +45,12 @@ fn sink_in(block: &mut Block, is_task: &[bool]) {
     }
     block.stmts = kept.into_iter().rev().map(|(at, stmt)| with_moved(stmt, at, &mut moved)).collect();
     for stmt in &mut block.stmts {
-        stmt.op.blocks_mut().into_iter().for_each(|inner| sink_in(inner, is_task));
+        stmt.op.blocks_mut().for_each(|inner| sink_in(inner, is_task));
     }
 }
 
 /// The branch that all uses of the statement's results are in.
-fn target(stmt: &Stmt, sites: &HashMap<Var, Site>) -> Option<(usize, usize)> {
+fn target(stmt: &Stmt, sites: &FxHashMap<Var, Site>) -> Option<(usize, usize)> {
     let mut used = stmt.dst.iter().filter_map(|v| sites.get(v));
     let first = *used.next()?;
     match first {
@@ -64,7 +63,7 @@ fn may_move(stmt: &Stmt, is_task: &[bool]) -> bool {
     !crate::core::walk::calls(std::slice::from_ref(stmt)).iter().any(|id| is_task[id.0 as usize])
 }
 
-fn note_uses(sites: &mut HashMap<Var, Site>, at: usize, stmt: &Stmt, target: Option<(usize, usize)>) {
+fn note_uses(sites: &mut FxHashMap<Var, Site>, at: usize, stmt: &Stmt, target: Option<(usize, usize)>) {
     let mut note = |vars: Vec<Var>, site: Site| {
         for v in vars {
             sites
@@ -90,8 +89,8 @@ fn note_uses(sites: &mut HashMap<Var, Site>, at: usize, stmt: &Stmt, target: Opt
 }
 
 /// The statement with what was moved into its branches, which was collected last one first.
-fn with_moved(mut stmt: Stmt, at: usize, moved: &mut HashMap<(usize, usize), Vec<Stmt>>) -> Stmt {
-    for (branch, block) in stmt.op.blocks_mut().into_iter().enumerate() {
+fn with_moved(mut stmt: Stmt, at: usize, moved: &mut FxHashMap<(usize, usize), Vec<Stmt>>) -> Stmt {
+    for (branch, block) in stmt.op.blocks_mut().enumerate() {
         if let Some(mut stmts) = moved.remove(&(at, branch)) {
             stmts.reverse();
             stmts.append(&mut block.stmts);
@@ -99,51 +98,6 @@ fn with_moved(mut stmt: Stmt, at: usize, moved: &mut HashMap<(usize, usize), Vec
         }
     }
     stmt
-}
-
-pub fn hoist(program: &mut Program) {
-    for f in &mut program.functions {
-        hoist_in(&mut f.body);
-    }
-}
-
-fn hoist_in(block: &mut Block) {
-    let mut stmts = Vec::with_capacity(block.stmts.len());
-    for mut stmt in std::mem::take(&mut block.stmts) {
-        stmt.op.blocks_mut().into_iter().for_each(hoist_in);
-        if let Op::Loop(l) = &mut stmt.op {
-            stmts.extend(invariant(l));
-        }
-        stmts.push(stmt);
-    }
-    block.stmts = stmts;
-}
-
-/// Takes out of a loop what depends on nothing inside.
-fn invariant(l: &mut Loop) -> Vec<Stmt> {
-    let mut inside: HashSet<Var> = l.state.iter().map(|(v, _)| *v).collect();
-    let mut found = Vec::new();
-    for block in [&mut l.cond, &mut l.body] {
-        for stmt in std::mem::take(&mut block.stmts) {
-            let depends = free_in_stmt(&stmt).iter().any(|v| inside.contains(v));
-            if depends || !is_cheap(&stmt.op) {
-                inside.extend(&stmt.dst);
-                block.stmts.push(stmt);
-            } else {
-                found.push(stmt);
-            }
-        }
-    }
-    found
-}
-
-/// Cheap enough to be evaluated for a loop that may not run at all.
-fn is_cheap(op: &Op) -> bool {
-    match op {
-        Op::Prim(..) | Op::Live(_) => true,
-        Op::Intrinsic(i, _) => Intrinsic::cost(*i) <= 1,
-        _ => false,
-    }
 }
 
 pub fn choose(program: &mut Program) {
@@ -157,7 +111,7 @@ pub fn choose(program: &mut Program) {
 fn choose_in(f: &Function, block: &mut Block) {
     let mut stmts = Vec::with_capacity(block.stmts.len());
     for mut stmt in std::mem::take(&mut block.stmts) {
-        stmt.op.blocks_mut().into_iter().for_each(|inner| choose_in(f, inner));
+        stmt.op.blocks_mut().for_each(|inner| choose_in(f, inner));
         match &stmt.op {
             Op::If(cond, yes, no) if yes.stmts.is_empty() && no.stmts.is_empty() => {
                 for ((v, yes), no) in stmt.dst.iter().zip(&yes.results).zip(&no.results) {

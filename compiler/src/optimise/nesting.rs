@@ -24,7 +24,7 @@ pub fn bound(program: &mut Program) {
     let heights = vec![0; program.functions.len()];
     let mut bounder = Bounder { heights, is_task, names, found: Vec::new() };
     for f in Graph::new(&program.functions).bottom_up {
-        let mut function = program.functions[f].clone();
+        let mut function = std::mem::take(&mut program.functions[f]);
         let mut body = std::mem::take(&mut function.body);
         let height = bounder.block(&mut function, &mut body, 0);
         // What calls a task is a task, and its callers do not nest it.
@@ -59,7 +59,7 @@ impl Bounder {
                 _ => 0,
             };
             let step = if matches!(stmt.op, Op::Loop(_)) { LOOP } else { 1 };
-            let inner = stmt.op.blocks_mut().into_iter().map(|b| step + self.block(f, b, depth + step)).max();
+            let inner = stmt.op.blocks_mut().map(|b| step + self.block(f, b, depth + step)).max();
             height = height.max(own).max(inner.unwrap_or(0));
         }
         if depth >= SHALLOW && depth + height > DEEPEST {

@@ -3,8 +3,9 @@
 //!
 //! Functions marked `@task` keep their operands, since the source asks for that token.
 
-use crate::core::walk::statements;
-use crate::core::{Atom, Const, Function, Mark, Op, Program, Var};
+use crate::core::graph::Graph;
+use crate::core::walk::{VarMap, statements, substitute};
+use crate::core::{Atom, Const, Function, Mark, Op, Program};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Known {
@@ -24,22 +25,38 @@ pub fn parameters(program: &mut Program) {
             vec![if fixed { Known::Varies } else { Known::Nothing }; f.params.len()]
         })
         .collect();
-    while learn(&program.functions, &mut known) {}
+    // Callers first, so that most of it is learnt at once.
+    let order: Vec<usize> = Graph::new(&program.functions).bottom_up.into_iter().rev().collect();
+    let params: Vec<VarMap<usize>> = program
+        .functions
+        .iter()
+        .map(|f| {
+            let mut params = VarMap::new();
+            params.extend(f.params.iter().copied().zip(0..));
+            params
+        })
+        .collect();
+    while learn(&program.functions, &order, &params, &mut known) {}
     for (f, known) in program.functions.iter_mut().zip(&known) {
         replace(f, known);
     }
 }
 
 /// Looks at every call once more; whether anything was learnt.
-fn learn(functions: &[Function], known: &mut [Vec<Known>]) -> bool {
+fn learn(
+    functions: &[Function],
+    order: &[usize],
+    params: &[VarMap<usize>],
+    known: &mut [Vec<Known>],
+) -> bool {
     let mut learnt = false;
-    for (caller, f) in functions.iter().enumerate() {
-        statements(&f.body.stmts, &mut |stmt| {
+    for &caller in order {
+        statements(&functions[caller].body.stmts, &mut |stmt| {
             let Op::Call(id, args) = &stmt.op else { return };
             for (i, arg) in args.iter().enumerate() {
                 let value = match arg {
                     Atom::Const(c) => Known::Const(*c),
-                    Atom::Var(v) => match f.params.iter().position(|p| p == v) {
+                    Atom::Var(v) => match params[caller].get(*v) {
                         Some(param) => known[caller][param],
                         None => Known::Varies,
                     },
@@ -63,33 +80,11 @@ fn meet(a: Known, b: Known) -> Known {
 }
 
 fn replace(f: &mut Function, known: &[Known]) {
-    let constants: Vec<(Var, Const)> = f
-        .params
-        .iter()
-        .zip(known)
-        .filter_map(|(v, known)| match known {
-            Known::Const(c) => Some((*v, *c)),
-            _ => None,
-        })
-        .collect();
-    if !constants.is_empty() {
-        let mut body = std::mem::take(&mut f.body);
-        replace_in(&mut body, &constants);
-        f.body = body;
-    }
-}
-
-fn replace_in(block: &mut crate::core::Block, constants: &[(Var, Const)]) {
-    let put = |atom: &mut Atom| {
-        if let Atom::Var(v) = atom
-            && let Some((_, c)) = constants.iter().find(|(p, _)| p == v)
-        {
-            *atom = Atom::Const(*c);
+    let mut constants = VarMap::new();
+    for (v, known) in f.params.iter().zip(known) {
+        if let Known::Const(c) = known {
+            constants.insert(*v, Atom::Const(*c));
         }
-    };
-    for stmt in &mut block.stmts {
-        stmt.op.operands_mut().into_iter().for_each(put);
-        stmt.op.blocks_mut().into_iter().for_each(|b| replace_in(b, constants));
     }
-    block.results.iter_mut().for_each(put);
+    substitute(&mut f.body, &|v| constants.get(v));
 }

@@ -1,5 +1,8 @@
 //! Each pass keeps the meaning, and does what it is for.
 
+mod faults;
+mod structure;
+
 use super::{PASSES, optimise, run};
 use crate::core::{Program, parse, print, verify};
 

@@ -47,10 +47,11 @@ pub fn split(functions: &mut Vec<Function>, is_task: Vec<bool>, entry: usize) ->
 }
 
 /// Where the results of a block go: an emission with a variable for each result.
-#[derive(Clone)]
 struct Finish {
     slots: Vec<Var>,
     emission: Emission,
+    /// A small join, which a block with something left to evaluate evaluates itself.
+    join: Option<TailBlock>,
 }
 
 impl Finish {
@@ -117,7 +118,8 @@ impl Splitter<'_> {
         let results = self.functions[f].results.clone();
         let slots: Vec<_> = results.into_iter().map(|s| self.functions[f].fresh(s)).collect();
         let emission = literals(&slots);
-        let mut split = self.block(f, body.stmts.clone(), &body.results, &Finish { slots, emission });
+        let mut split =
+            self.block(f, body.stmts.clone(), &body.results, &Finish { slots, emission, join: None });
         self.functions[f].body = body;
         prune(&mut split);
         make_self_calls_loops(&mut split, root, self.functions[f].params.len());
@@ -150,7 +152,13 @@ impl Splitter<'_> {
     fn block(&mut self, f: usize, stmts: Vec<Stmt>, results: &[Atom], finish: &Finish) -> TailBlock {
         let Schedule { before, mut ready, mut rest } = self.schedule(stmts);
         if ready.is_empty() {
-            return TailBlock { stmts: before, tail: Tail::Emit(finish.with(results)) };
+            return match &finish.join {
+                Some(join) if !before.is_empty() => {
+                    let last = Block { stmts: before, results: results.to_vec() };
+                    self.append(f, &last, &finish.slots, join)
+                }
+                _ => TailBlock { stmts: before, tail: Tail::Emit(finish.with(results)) },
+            };
         }
         rest.splice(0..0, ready.split_off(fitting(&ready)));
         let after = self.block(f, rest, results, finish);
@@ -188,7 +196,7 @@ impl Splitter<'_> {
         after: TailBlock,
     ) -> TailBlock {
         if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail) {
-            let finish = Finish { slots: dst.to_vec(), emission: emission.clone() };
+            let finish = Finish { slots: dst.to_vec(), emission: emission.clone(), join: None };
             let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, b.stmts.clone(), &b.results, &finish)));
             return TailBlock { stmts: before, tail: Tail::If(cond, yes, no) };
         }
@@ -201,7 +209,7 @@ impl Splitter<'_> {
         let mut emission = literals(&live);
         emission.extend(literals(dst));
         emission.push(Token::Function(task));
-        let finish = Finish { slots: dst.to_vec(), emission };
+        let finish = Finish { slots: dst.to_vec(), emission, join: in_place.clone() };
         let [yes, no] = [yes, no].map(|b| {
             Box::new(match &in_place {
                 Some(after) if !self.any_task_call(&b.stmts) => self.append(f, b, dst, after),
@@ -211,7 +219,7 @@ impl Splitter<'_> {
         TailBlock { stmts: before, tail: Tail::If(cond, yes, no) }
     }
 
-    /// A branch without task calls, then a copy of `after`.
+    /// Statements without task calls, then a copy of `after`.
     fn append(&mut self, f: usize, branch: &Block, dst: &[Var], after: &TailBlock) -> TailBlock {
         let old = std::mem::take(&mut self.functions[f].vars);
         let mut renumber = Renumber::new(&old, old.clone());
@@ -281,7 +289,7 @@ impl Splitter<'_> {
 fn fitting(ready: &[Stmt]) -> usize {
     let mut tokens = 0;
     let fits = |stmt: &&Stmt| {
-        tokens += stmt.op.operands().len() + 1;
+        tokens += stmt.op.operands().count() + 1;
         tokens <= LONGEST
     };
     ready.iter().take_while(fits).count().max(1)

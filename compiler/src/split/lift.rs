@@ -339,8 +339,8 @@ fn added(stmt: &Stmt, accumulator: Var) -> Option<Atom> {
 fn uses_any(block: &Block, wanted: &dyn Fn(&Atom) -> bool) -> bool {
     let mut found = block.results.iter().any(wanted);
     statements(&block.stmts, &mut |stmt| {
-        found |= stmt.op.operands().iter().any(wanted);
-        found |= stmt.op.blocks().iter().any(|b| b.results.iter().any(wanted));
+        found |= stmt.op.operands().any(|a| wanted(&a));
+        found |= stmt.op.blocks().any(|b| b.results.iter().any(wanted));
     });
     found
 }

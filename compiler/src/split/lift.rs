@@ -70,7 +70,7 @@ impl Turns {
         let of = |stmt: &Stmt| match &stmt.op {
             Op::Call(id, _) => self.of.get(id.0 as usize).copied().unwrap_or(0),
             Op::Loop(l) => self.looped(l),
-            op => op.blocks().iter().map(|b| self.block(&b.stmts)).max().unwrap_or(0),
+            op => op.blocks().map(|b| self.block(&b.stmts)).max().unwrap_or(0),
         };
         stmts.iter().fold(0, |n, stmt| n.saturating_add(of(stmt)))
     }

@@ -24,9 +24,10 @@ fn deep() -> String {
 /// The first broken invariant or changed value when `work` is done to programs; none if it keeps their meaning.
 fn differs(work: impl Fn(&mut Program) + Sync) -> Option<String> {
     // A planted fault may make a program call itself for ever.
-    let thread =
-        |scope| std::thread::Builder::new().stack_size(1 << 29).spawn_scoped(scope, || search(&work));
-    std::thread::scope(|scope| thread(scope).expect("starts").join().expect("ends"))
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(1 << 29);
+        thread.spawn_scoped(scope, || search(&work)).expect("starts").join().expect("ends")
+    })
 }
 
 fn search(work: &impl Fn(&mut Program)) -> Option<String> {

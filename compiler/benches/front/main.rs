@@ -10,7 +10,7 @@ use ghyll_compiler::back::{Back, back};
 use ghyll_compiler::compile::check;
 use ghyll_compiler::core::Program;
 use ghyll_compiler::front::Checked;
-use ghyll_compiler::lower::{Settings, lower};
+use ghyll_compiler::lower::{Asked, Settings, lower};
 use ghyll_compiler::optimise::{CLEANING, run};
 use ghyll_compiler::source::Source;
 use ghyll_compiler::split::{lift, split};
@@ -36,7 +36,7 @@ fn checked(lines: usize) -> Checked {
 
 fn lowered(checked: &Checked) -> Program {
     let entry = checked.module.function("main").expect("generated programs have a `main`");
-    let lowered = lower(&checked.module, entry, &Settings::default());
+    let lowered = lower(&checked.module, entry, Asked::Plainly, &Settings::default());
     lowered.unwrap_or_else(|_| panic!("a generated program is refused"))
 }
 

@@ -5,7 +5,7 @@ use crate::back::{back, stats};
 use crate::compile::check;
 use crate::core::walk::{size, statements};
 use crate::core::{Op, Stmt};
-use crate::lower::{Settings, lower};
+use crate::lower::{Asked, Settings, lower};
 use crate::source::Source;
 use crate::table::{Table, Tail, TailBlock};
 
@@ -13,7 +13,8 @@ use crate::table::{Table, Tail, TailBlock};
 fn structure(text: &str) -> String {
     let checked = check(Source::new("test.ghyll", text)).expect("a program");
     let entry = checked.module.function("main").expect("a main");
-    let table = back(lower(&checked.module, entry, &Settings::default()).expect("lowers")).table;
+    let table =
+        back(lower(&checked.module, entry, Asked::Plainly, &Settings::default()).expect("lowers")).table;
     let stats = stats(&table);
     let task = |r: &crate::back::Rewrite| {
         let exits: Vec<_> = r.emissions.iter().map(|(words, tokens)| format!("{words}+{tokens}")).collect();

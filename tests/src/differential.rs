@@ -233,7 +233,7 @@ mod tests {
                 if let Op::Prim(Prim::Sub, Scalar::I32, operands) = &mut stmt.op {
                     operands.reverse();
                 }
-                stmt.op.blocks_mut().into_iter().for_each(|block| change(&mut block.stmts));
+                stmt.op.blocks_mut().for_each(|block| change(&mut block.stmts));
             }
         }
         fn tail(block: &mut TailBlock) {

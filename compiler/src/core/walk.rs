@@ -73,9 +73,7 @@ impl<T: Copy> VarMap<T> {
     pub fn set(&mut self, v: Var, value: Option<T>) -> Option<T> {
         let at = v.0 as usize;
         if at >= self.0.len() {
-            if value.is_none() {
-                return None;
-            }
+            value?;
             self.0.resize(at + 1, None);
         }
         std::mem::replace(&mut self.0[at], value)

@@ -163,8 +163,22 @@ fn reduce(mut genes: Vec<u32>, mut fails: impl FnMut(&[u32]) -> bool) -> Vec<u32
         }
         size = if size == 1 { 0 } else { size.div_ceil(2) };
     }
+    // What is decided together lies anywhere: small pieces at every place.
+    for size in (1..=PIECE).rev() {
+        let mut begin = genes.len().saturating_sub(size);
+        while begin > 0 {
+            begin -= 1;
+            let without = [&genes[..begin], &genes[(begin + size).min(genes.len())..]].concat();
+            if fails(&without) {
+                genes = without;
+            }
+        }
+    }
     genes
 }
+
+/// Genes of a struct with its fields, about.
+const PIECE: usize = 8;
 
 #[cfg(test)]
 mod tests {

@@ -271,9 +271,7 @@ impl<'a, 'd> Transform<'a, 'd> {
             format!("{what} has no derivative, and this one needs it"),
         )
         .label(format!("differentiates `{}`, where a position given to {what} moves", self.name))
-        .help(format!(
-            "keep what depends on {what} out of the function, or pass it in as a captured value"
-        ));
+        .help(format!("keep what depends on {what} out of the function, or pass it in as a captured value"));
         if let Some(place) = self.place.span {
             diagnostic = diagnostic.also(place, format!("{what} is read here"));
         }

@@ -13,11 +13,14 @@ use crate::resolve::load::{File, USER};
 use crate::resolve::scope::{Scopes, Value};
 use crate::typed::{Expr, ExprKind, FunctionId, Module, ParamId, Type};
 
+/// Entries that are asked for without a name.
+const ENTRIES: [&str; 3] = ["main", "pixel", "map"];
+
 pub fn check(files: &[File], scopes: &Scopes, module: &Module, out: &mut Vec<Diagnostic>) {
     modules(files, scopes, out);
     params(scopes, module, out);
     // A file without entries is there for others.
-    if ["main", "pixel", "map"].iter().any(|name| module.function(name).is_some()) {
+    if ENTRIES.iter().any(|name| module.function(name).is_some()) {
         functions(module, out);
     }
 }
@@ -73,7 +76,8 @@ fn functions(module: &Module, out: &mut Vec<Diagnostic>) {
     for id in (0..module.functions.len() as u32).map(FunctionId).filter(|id| own(*id)) {
         let f = &module.functions[id.0 as usize];
         let ty = Type::Fn(f.param_types().cloned().collect(), Box::new(f.result.clone()));
-        if misfit(module, id, EntryKind::Value).is_none() || slots.contains(&ty) {
+        let entry = ENTRIES.contains(&f.name.as_str()) || misfit(module, id, EntryKind::Value).is_none();
+        if entry || slots.contains(&ty) {
             open.push(id);
         }
     }

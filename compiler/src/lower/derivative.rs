@@ -1,9 +1,9 @@
 //! `grad` and `deriv`: the function is lowered as one of its own, and a hole takes the place of its derivative until
 //! `derive` fills it. A function that only the machine knows is no different: its tag and captures stand still.
 
+use super::Lower;
 use super::call::{Application, Callee};
 use super::value::{Closure, Value};
-use super::Lower;
 use crate::core::{FnId, Op};
 use crate::derive::Request;
 use crate::layout;

@@ -126,7 +126,8 @@ impl Lifter {
     }
 
     fn lift(&mut self, f: &mut Function, dst: Vec<Var>, l: &Loop, stmts: &mut Vec<Stmt>) {
-        match Sum::of(l) {
+        // Without calls a turn is much cheaper than a leaf of the tree.
+        match Sum::of(l).filter(|_| self.calls_task(l)) {
             Some(sum) => self.lift_sum(f, dst, l, &sum, stmts),
             None => self.lift_fold(f, dst, l, stmts),
         }

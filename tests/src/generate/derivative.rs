@@ -33,9 +33,8 @@ impl Generator<'_> {
                 _ => format!("small({})", self.leaf(&Type::F32, scope)),
             };
         }
-        let mut part = |generator: &mut Self, degree: usize| {
-            generator.polynomial(variables, degree, depth - 1, scope)
-        };
+        let mut part =
+            |generator: &mut Self, degree: usize| generator.polynomial(variables, degree, depth - 1, scope);
         match self.genes.pick(9) {
             0 => part(self, degree),
             1 | 2 if degree > 1 => {

@@ -225,13 +225,18 @@ fn number(expr: &crate::typed::Expr) -> Option<f64> {
     }
 }
 
-/// What only specialisation finds, for every entry a host may ask for: see [`entry::asked_for`].
-pub fn reach(checked: &Checked) -> Vec<Diagnostic> {
+/// What only specialisation finds, with the parameters as the host sets them: for the entry that is named, else for
+/// every entry a host may ask for (see [`entry::asked_for`]).
+pub fn reach(checked: &Checked, options: &Options) -> Result<Vec<Diagnostic>, CompileError> {
     let module = &checked.module;
-    let (entries, mut found) = entry::asked_for(module);
+    let settings = settings(module, options)?;
+    let (entries, mut found) = match &options.entry {
+        Some(_) => (vec![entry::find(checked, options)?.0], Vec::new()),
+        None => entry::asked_for(module),
+    };
     let mut lowered = 0;
     for entry in entries {
-        match on_large_stack(|| lower::lower(module, entry, Asked::Plainly, &Settings::default())) {
+        match on_large_stack(|| lower::lower(module, entry, Asked::Plainly, &settings)) {
             Ok(program) => lowered += program.functions.len(),
             Err(diagnostics) => {
                 lowered += 1;
@@ -246,7 +251,7 @@ pub fn reach(checked: &Checked) -> Vec<Diagnostic> {
             break;
         }
     }
-    found
+    Ok(found)
 }
 
 /// Functions after which no further entry is tried: entries may share most of a large program.

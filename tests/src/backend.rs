@@ -116,11 +116,12 @@ impl Ghyll {
 }
 
 impl Backend for Ghyll {
-    fn check(&self, program: &Program) -> Vec<case::Diagnostic> {
+    fn check(&self, program: &Program, settings: &Settings) -> Vec<case::Diagnostic> {
         match checked(program) {
             Ok(checked) => {
                 let mut all = checked.warnings.clone();
-                all.extend(reach(&checked));
+                // A setting that is refused is what `fails` expects.
+                all.extend(reach(&checked, &options(settings)).unwrap_or_default());
                 diagnostics(&Report { sources: checked.sources, diagnostics: all })
             }
             Err(report) => diagnostics(&report),
@@ -262,13 +263,7 @@ impl Ready {
     fn compile(wanted: &Wanted) -> Result<Ready, Failure> {
         let Wanted { program, settings, entry, kind, size } = wanted;
         let checked = checked(program).map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
-        let options = Options {
-            entry: Some(entry.clone()),
-            want: *kind,
-            set: settings.set.clone(),
-            live: settings.live.clone(),
-            no_bake: settings.no_bake,
-        };
+        let options = Options { entry: Some(entry.clone()), want: *kind, ..options(settings) };
         let compiled = compile(&checked, &options).map_err(|error| match error {
             CompileError::Program(report) => Failure::Diagnostics(diagnostics(&report)),
             CompileError::Request(text) => Failure::Usage(text),
@@ -300,6 +295,12 @@ impl Ready {
         };
         texts.iter().zip(params).map(value).collect()
     }
+}
+
+/// What the header sets, for no entry in particular.
+fn options(settings: &Settings) -> Options {
+    let Settings { set, live, no_bake, .. } = settings.clone();
+    Options { set, live, no_bake, ..Options::default() }
 }
 
 fn checked(program: &Program) -> Result<Checked, Report> {

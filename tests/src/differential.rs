@@ -193,7 +193,7 @@ mod tests {
     struct Planted(&'static str);
 
     impl Backend for Planted {
-        fn check(&self, _: &Program) -> Vec<Diagnostic> {
+        fn check(&self, _: &Program, _: &Settings) -> Vec<Diagnostic> {
             Vec::new()
         }
 

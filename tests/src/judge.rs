@@ -60,7 +60,7 @@ pub struct Picture {
 /// What the suite needs of an implementation of the language.
 pub trait Backend: Send + Sync {
     /// Every diagnostic of the program's own text, warnings included.
-    fn check(&self, program: &Program) -> Vec<Diagnostic>;
+    fn check(&self, program: &Program, settings: &Settings) -> Vec<Diagnostic>;
 
     /// One answer for each call; the program is compiled once for each entry.
     fn run(
@@ -95,7 +95,7 @@ pub fn judge_broken(case: &Case, reason: &str, backend: &dyn Backend, modes: &[M
 /// What is the same in every mode: diagnostics, the function table, the trace.
 pub fn judge_program(case: &Case, backend: &dyn Backend) -> Result<(), String> {
     let mut report = Report::default();
-    compare_diagnostics(case, backend.check(&case.program), &mut report);
+    compare_diagnostics(case, backend.check(&case.program, &case.settings), &mut report);
     for expectation in &case.expectations {
         match expectation {
             Expectation::Tasks { entry, functions } => {

@@ -1,6 +1,6 @@
 //! The pages of `docs/errors/` are true: the first program of each gives the page's code and title, the mended one is clean.
 
-use ghyll_compiler::compile;
+use ghyll_compiler::compile::{self, Options};
 use ghyll_compiler::diagnostic::Diagnostic;
 use ghyll_compiler::explain::{Block, blocks};
 use ghyll_compiler::source::Source;
@@ -24,7 +24,10 @@ fn copies(line: &str, n: usize) -> String {
 fn check(text: &str) -> Vec<Diagnostic> {
     match compile::check(Source::new("page.ghyll", text)) {
         Err(report) => report.diagnostics,
-        Ok(checked) => [checked.warnings.clone(), compile::reach(&checked)].concat(),
+        Ok(checked) => {
+            let reached = compile::reach(&checked, &Options::default()).expect("nothing is asked for");
+            [checked.warnings.clone(), reached].concat()
+        }
     }
 }
 

@@ -13,7 +13,7 @@ struct Planted {
 }
 
 impl Backend for Planted {
-    fn check(&self, _: &Program) -> Vec<Diagnostic> {
+    fn check(&self, _: &Program, _: &Settings) -> Vec<Diagnostic> {
         self.diagnostics.clone()
     }
 
@@ -77,7 +77,7 @@ fn a_wrong_value_is_reported() {
 fn a_missing_answer_is_reported() {
     struct Silent;
     impl Backend for Silent {
-        fn check(&self, _: &Program) -> Vec<Diagnostic> {
+        fn check(&self, _: &Program, _: &Settings) -> Vec<Diagnostic> {
             Vec::new()
         }
         fn run(&self, _: &Program, _: &Settings, _: Mode, _: &[Call]) -> Vec<Result<Answer, Failure>> {

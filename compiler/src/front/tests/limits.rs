@@ -45,7 +45,7 @@ fn soon(what: &str, text: &str) -> Vec<Code> {
     let found = match check(text) {
         Ok(checked) => {
             let options = crate::compile::Options::default();
-            crate::compile::reach(&checked);
+            crate::compile::reach(&checked, &options).expect("nothing is asked for");
             match crate::compile::compile(&checked, &options) {
                 Err(crate::compile::CompileError::Program(report)) => {
                     report.diagnostics.iter().map(|d| d.code).collect()

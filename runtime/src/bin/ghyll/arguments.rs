@@ -31,7 +31,7 @@ pub enum Command {
     #[command(after_help = "Example:\n  ghyll map lang-examples/slope.ghyll --dem alps.tif -o slope.tif")]
     Map(Box<Map>),
     /// Look for mistakes only, or explain one.
-    #[command(after_help = "Examples:\n  ghyll check my.ghyll\n  ghyll check --explain E0301")]
+    #[command(after_help = "Examples:\n  ghyll check my.ghyll --live detail\n  ghyll check --explain E0301")]
     Check(Check),
     /// Show what the compiler made.
     #[command(after_help = "Example:\n  ghyll build lang-examples/fib.ghyll --emit table,wgsl")]
@@ -238,9 +238,8 @@ pub struct Check {
     /// Explain a diagnostic by its code, with an example and how it is mended.
     #[arg(long, value_name = "CODE")]
     pub explain: Option<String>,
-    /// Diagnostics as JSON on standard output.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub program: Program,
 }
 
 #[derive(Args)]

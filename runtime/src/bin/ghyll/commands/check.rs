@@ -1,6 +1,6 @@
 //! `ghyll check`: diagnostics only, or what one means.
 
-use super::read;
+use super::{options, read, refused};
 use crate::arguments::Check;
 use crate::failure::{self, Failure};
 use crate::report::line;
@@ -10,7 +10,7 @@ use ghyll_runtime::files::Disk;
 use serde_json::json;
 
 pub fn check(arguments: &Check) -> Result<(), Failure> {
-    let json = arguments.json;
+    let json = arguments.program.json;
     if let Some(code) = &arguments.explain {
         line!("{}", explanation(code, json)?);
         return Ok(());
@@ -20,7 +20,9 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     };
     let checked =
         compile::check_with(read(file)?, &Disk).map_err(|report| Failure::Diagnostics { report, json })?;
-    let diagnostics = [checked.warnings.clone(), compile::reach(&checked)].concat();
+    let options = options(&arguments.program, None)?;
+    let reached = compile::reach(&checked, &options).map_err(|error| refused(error, json))?;
+    let diagnostics = [checked.warnings.clone(), reached].concat();
     let report = Report { sources: checked.sources, diagnostics };
     if report.has_errors() {
         return Err(Failure::Diagnostics { report, json });

@@ -57,12 +57,8 @@ fn checked(source: Source, json: bool) -> Result<Checked, Failure> {
     Ok(checked)
 }
 
-/// Compiles a checked program as the arguments say.
-fn compiled(
-    checked: &Checked,
-    program: &arguments::Program,
-    want: Option<EntryKind>,
-) -> Result<Compiled, Failure> {
+/// What the arguments ask of the compiler.
+fn options(program: &arguments::Program, want: Option<EntryKind>) -> Result<Options, Failure> {
     let mut set = Vec::new();
     for setting in &program.set {
         let (name, value) = setting.split_once('=').ok_or_else(|| {
@@ -71,11 +67,24 @@ fn compiled(
         set.push((name.trim().to_string(), value.trim().to_string()));
     }
     let (entry, live) = (program.entry.clone(), program.live.clone());
-    let options = Options { entry, want, set, live, no_bake: program.no_bake };
-    let compiled = compile::compile(checked, &options).map_err(|error| match error {
-        CompileError::Program(report) => Failure::Diagnostics { report, json: program.json },
+    Ok(Options { entry, want, set, live, no_bake: program.no_bake })
+}
+
+fn refused(error: CompileError, json: bool) -> Failure {
+    match error {
+        CompileError::Program(report) => Failure::Diagnostics { report, json },
         CompileError::Request(message) => Failure::Usage(message),
-    })?;
+    }
+}
+
+/// Compiles a checked program as the arguments say.
+fn compiled(
+    checked: &Checked,
+    program: &arguments::Program,
+    want: Option<EntryKind>,
+) -> Result<Compiled, Failure> {
+    let options = options(program, want)?;
+    let compiled = compile::compile(checked, &options).map_err(|error| refused(error, program.json))?;
     options.set.iter().try_for_each(|(name, text)| in_range(checked, name, text))?;
     if !program.json && !compiled.warnings.is_empty() {
         let diagnostics = compiled.warnings.clone();

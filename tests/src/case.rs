@@ -26,6 +26,13 @@ pub struct Case {
     pub broken: Option<String>,
 }
 
+impl Case {
+    /// The folder below `suite/`.
+    pub fn area(&self) -> &str {
+        self.topic.split('/').next().unwrap_or_default()
+    }
+}
+
 /// A program's text and the modules it may `use`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {

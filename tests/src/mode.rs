@@ -1,7 +1,7 @@
 //! THE table of modes: the machines and settings that a case runs on.
 //!
-//! A case that names no modes runs on the usual ones and on one GPU mode more, in turn, so that each topic meets all
-//! of them ([`Mode::in_turn`]). `GHYLL_ALL_MODES=1` asks every mode of every case.
+//! A case that names no modes runs on the oracle, on the CPU and in one mode of the GPU. These take turns, so that each
+//! area meets all of them ([`Mode::in_turn`]). `GHYLL_ALL_MODES=1` asks every mode of every case.
 
 use crate::case::{Case, Expectation};
 
@@ -37,7 +37,7 @@ modes! {
     CpuAuto "cpu-auto" "cpu" true;
     CpuBlock "cpu-block" "cpu" true;
     CpuLane "cpu-lane" "cpu" true;
-    GpuAuto "gpu-auto" "gpu" true;
+    GpuAuto "gpu-auto" "gpu" false;
     // Without wgpu's bounds and loop checks.
     GpuTrusted "gpu-trusted" "gpu" false;
     // The paper's algorithm: blocks, depth 1.
@@ -72,27 +72,32 @@ impl Mode {
         }
     }
 
-    /// GPU modes that not every case is run in.
-    fn further() -> Vec<Mode> {
-        Mode::ALL.iter().copied().filter(|m| m.is_gpu() && !m.always()).collect()
+    fn on_gpu() -> Vec<Mode> {
+        Mode::ALL.iter().copied().filter(|m| m.is_gpu()).collect()
     }
 
-    /// Adds to the cases of the usual modes one further mode each, in turn, as many as the topic needs to meet all of
-    /// them. What ends in a failure or is measured depends on the mode, so such a case names its modes itself.
+    /// Adds to the cases of the usual modes one of the GPU each, in turn, or as many as an area needs to meet all of
+    /// them. What ends in a failure or is measured depends on the mode, so such a case is run in the usual one of the
+    /// GPU unless it names its modes.
     pub fn in_turn(cases: &mut [Case], all: bool) {
-        let further = Mode::further();
+        let on_gpu = Mode::on_gpu();
         let measured = |c: &Case| {
             let depends =
                 |e: &Expectation| matches!(e, Expectation::Fails { .. } | Expectation::Rounds { .. });
             c.settings.memory.is_some() || c.settings.timeout.is_some() || c.expectations.iter().any(depends)
         };
-        let takes_turns = |c: &Case| crate::judge::runs(c) && c.modes == Mode::usual() && !measured(c);
-        for topic in cases.chunk_by_mut(|a, b| a.topic == b.topic) {
-            let mut chosen: Vec<&mut Case> = topic.iter_mut().filter(|c| takes_turns(c)).collect();
+        let unnamed = |c: &Case| crate::judge::runs(c) && c.modes == Mode::usual();
+        for area in cases.chunk_by_mut(|a, b| a.area() == b.area()) {
+            let (fixed, mut chosen): (Vec<&mut Case>, Vec<&mut Case>) =
+                area.iter_mut().filter(|c| unnamed(c)).partition(|c| measured(c));
+            fixed.into_iter().for_each(|case| case.modes.push(Mode::GpuAuto));
+            let pictures = |c: &Case| c.expectations.iter().any(|e| matches!(e, Expectation::Render(_)));
+            // Pictures have shaders of their own, and turns of their own.
+            chosen.sort_by_key(|c| pictures(c));
             let count = chosen.len();
-            for turn in 0..further.len().max(count) {
+            for turn in 0..on_gpu.len().max(count) {
                 if let Some(case) = chosen.get_mut(turn % count.max(1)) {
-                    case.modes.push(further[turn % further.len()]);
+                    case.modes.push(on_gpu[turn % on_gpu.len()]);
                 }
             }
             if all {
@@ -118,11 +123,11 @@ mod tests {
     }
 
     #[test]
-    fn every_topic_meets_every_mode() {
+    fn every_area_meets_every_mode() {
         for count in [1, 2, 5, 17] {
             let mut cases = cases(count);
             Mode::in_turn(&mut cases, false);
-            for mode in Mode::further() {
+            for mode in Mode::on_gpu() {
                 assert!(cases.iter().any(|c| c.modes.contains(&mode)), "{count} cases lack {}", mode.name());
             }
             let least = Mode::usual().len() + 1;
@@ -136,6 +141,10 @@ mod tests {
         let mut named = parse("a/b", text).expect("sound headers");
         Mode::in_turn(&mut named, true);
         assert_eq!(named[0].modes, Mode::named("cpu").expect("a family"));
+        let text = "//# case a\n//# fails main() => 3 \"x\"\nfn main() -> i32 = 1;\n";
+        let mut measured = parse("a/b", text).expect("sound headers");
+        Mode::in_turn(&mut measured, true);
+        assert_eq!(measured[0].modes, [Mode::usual(), vec![Mode::GpuAuto]].concat());
         let mut usual = cases(2);
         Mode::in_turn(&mut usual, true);
         assert!(usual.iter().all(|c| c.modes == Mode::ALL));

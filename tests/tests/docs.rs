@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// Texts with programs in them.
 const TEXTS: &[&str] = &["README.md", "docs/language.md"];
 
+/// Of so many programs one goes to the GPU too; the suite has most of their kind.
+const GPU_TURN: usize = 4;
+
 fn main() {
     let (backend, _) = Ghyll::open();
     let backend = Arc::new(backend);
@@ -50,14 +53,15 @@ fn programs_of(path: &'static str, backend: &Arc<Ghyll>) -> Vec<Trial> {
     if programs.is_empty() {
         return vec![Trial::test(format!("docs::{name}"), || Err("no program in this text".into()))];
     }
-    let trial = |block: explain::Block| {
+    let trial = |(index, block): (usize, explain::Block)| {
         let backend = backend.clone();
+        let gpu = (index % GPU_TURN == 0).then_some(Mode::GpuAuto);
         Trial::test(format!("docs::{name}::line-{}", block.line), move || {
-            let modes: Vec<Mode> = Mode::usual().into_iter().filter(|mode| backend.runs(*mode)).collect();
+            let modes: Vec<Mode> = Mode::usual().into_iter().chain(gpu).filter(|mode| backend.runs(*mode)).collect();
             verdict(manual::faults(&block, &*backend, &modes))
         })
     };
-    programs.into_iter().map(trial).collect()
+    programs.into_iter().enumerate().map(trial).collect()
 }
 
 fn text(path: &str) -> Result<String, Failed> {

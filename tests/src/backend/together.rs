@@ -25,9 +25,8 @@ const BYTES: usize = 30_000;
 /// Programs that share a table.
 pub(super) struct Group {
     members: Vec<Member>,
-    code: OnceLock<(Code, Vec<u32>)>,
-    /// Of every member, for each mode of [`Mode::ALL`]; made when first asked for.
-    answers: Vec<OnceLock<Vec<Vec<Told>>>>,
+    /// For each mode that a member asks for; made together when the first is asked for, as the kernels are the same.
+    answers: OnceLock<Vec<(Mode, Vec<Vec<Told>>)>>,
 }
 
 type Answers = Vec<Result<Answer, Failure>>;
@@ -92,11 +91,11 @@ impl Member {
 }
 
 impl Ghyll {
-    /// Puts what can share a table together; the first case of each topic stays by itself.
+    /// Puts what can share a table together; the first case of each area stays by itself.
     pub fn gather(&mut self, cases: &[Case]) {
-        let mut topics = BTreeSet::new();
+        let mut areas = BTreeSet::new();
         let shared: Vec<&Case> =
-            cases.iter().filter(|c| can_share(c)).filter(|c| !topics.insert(&c.topic)).collect();
+            cases.iter().filter(|c| can_share(c)).filter(|c| !areas.insert(c.area())).collect();
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
         let mut all: Vec<Member> = std::thread::scope(|scope| {
             let part = |cases: &[&Case]| cases.iter().flat_map(|c| members(c)).collect::<Vec<_>>();
@@ -125,7 +124,8 @@ impl Ghyll {
             }) else {
                 continue;
             };
-            let answers = &group.answers[mode as usize].get_or_init(|| self.run_group(group, mode))[index];
+            let all = group.answers.get_or_init(|| self.run_group(group));
+            let answers = all.iter().find(|(known, _)| *known == mode).map(|(_, answers)| &answers[index])?;
             let calls = calls.iter().map(|call| {
                 let at = group.members[index].calls.iter().position(|c| c == *call)?;
                 answers.get(at).cloned().flatten()
@@ -135,12 +135,18 @@ impl Ghyll {
         None
     }
 
-    fn run_group(&self, group: &Group, mode: Mode) -> Vec<Vec<Told>> {
+    fn run_group(&self, group: &Group) -> Vec<(Mode, Vec<Vec<Told>>)> {
+        let (code, offsets) = code(&group.members);
+        let asked = |mode: &Mode| group.members.iter().any(|m| m.modes.contains(mode));
+        let modes = Mode::ALL.iter().copied().filter(asked);
+        modes.map(|mode| (mode, self.run_mode(group, &code, &offsets, mode))).collect()
+    }
+
+    fn run_mode(&self, group: &Group, code: &Code, offsets: &[u32], mode: Mode) -> Vec<Vec<Told>> {
         let all = |failure: &Failure| {
             group.members.iter().map(|m| vec![Some(Err(failure.clone())); m.calls.len()]).collect()
         };
         let Some(gpu) = &self.gpu else { return all(&Failure::Run("no adapter".into())) };
-        let (code, offsets) = group.code.get_or_init(|| code(&group.members));
         let config = config(&Settings::default(), mode);
         let mut engine = match Engine::new(gpu, code.clone(), config, None) {
             Ok(engine) => engine,
@@ -195,8 +201,7 @@ impl Member {
 
 impl Group {
     fn new(members: Vec<Member>) -> Group {
-        let answers = Mode::ALL.iter().map(|_| OnceLock::new()).collect();
-        Group { members, code: OnceLock::new(), answers }
+        Group { members, answers: OnceLock::new() }
     }
 }
 

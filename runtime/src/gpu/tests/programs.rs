@@ -1,9 +1,20 @@
 //! Task sets written by hand in the form that the compiler generates.
 
 use super::super::*;
+use std::sync::{Mutex, PoisonError};
 
-/// The adapter; none, loudly, where there is none, unless GHYLL_REQUIRE_GPU=1 asks for one.
+/// One device for all tests, which so share kernels; none, loudly, where there is none, unless GHYLL_REQUIRE_GPU=1
+/// asks for one. A lost one is not handed on.
 pub fn gpu() -> Option<Gpu> {
+    static SHARED: Mutex<Option<Gpu>> = Mutex::new(None);
+    let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+    if shared.as_ref().is_none_or(|gpu| gpu.lost().is_some()) {
+        *shared = open();
+    }
+    shared.clone()
+}
+
+fn open() -> Option<Gpu> {
     match Gpu::new(&GpuOptions::default()) {
         Ok(gpu) => Some(gpu),
         Err(error) if std::env::var("GHYLL_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("{error}"),

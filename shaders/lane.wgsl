@@ -2,6 +2,8 @@
 //
 // `burst` is the inner loop and holds nothing rare; `serve` does what it stopped for. Kernels that call them say
 // where records come from and where outputs go (execute.wgsl, pixels.wgsl).
+//
+// Drivers put a function in the place of every call, so what is long is called from one place.
 
 // Why a lane stops.
 const GO_ON: u32 = 0u;
@@ -9,6 +11,7 @@ const DRAINED: u32 = 1u;      // nothing to the right is left
 const STUCK_HERE: u32 = 2u;   // operands are missing to the left
 const INTERRUPTED: u32 = 3u;  // fuel, depth or memory is used up
 const CUT_SHORT: u32 = 4u;    // by the adapter; nothing may be used
+const NO_ROOM: u32 = 5u;      // the window is full
 
 var<private> span: Span;
 var<private> low: u32;       // tokens [low, from) may be taken to the left
@@ -96,7 +99,7 @@ fn read_left(wanted: u32) {
     left += count;
 }
 
-fn interrupt(task: u32, flag: u32) -> u32 {
+fn interrupt(task: u32, flag: u32) {
     atomicOr(&state.flags, flag);
     if (flag == 0u) {
         if (fuel <= 0) {
@@ -106,14 +109,6 @@ fn interrupt(task: u32, flag: u32) -> u32 {
     } else {
         atomicStore(&state.culprit, task);
     }
-    return INTERRUPTED;
-}
-
-fn make_room(needed: u32, task: u32) -> u32 {
-    if (spill(needed)) {
-        return GO_ON;
-    }
-    return interrupt(task, FLAG_MEMORY);
 }
 
 // The window has no task to run: gets the next tokens.
@@ -122,17 +117,17 @@ fn serve_idle() -> u32 {
         fuel = 0;
     }
     if (fuel <= stop_fuel) {
-        return interrupt(latest, 0u);
+        return INTERRUPTED;
     }
     if (far_right != NONE) {
         if (left + EMISSION * 2u > ROOM) {
-            return make_room(0u, latest);
+            return NO_ROOM;
         }
         restore_right(WINDOW / 4u, ROOM - left);
         return GO_ON;
     }
     if (left >= ROOM) {
-        return make_room(0u, latest);
+        return NO_ROOM;
     }
     return read_right();
 }
@@ -145,15 +140,16 @@ fn serve_task() -> u32 {
     }
     if (exhausted) {
         exhausted = false;
-        return interrupt(invoke, FLAG_EXHAUSTED);
+        why = FLAG_EXHAUSTED;
+        return INTERRUPTED;
     }
     if (fuel <= stop_fuel) {
-        return interrupt(invoke, 0u);
+        return INTERRUPTED;
     }
-    let needed = arity(invoke);
+    needed = arity(invoke);
     if (left < needed) {
         if (left + right + needed > ROOM) {
-            return make_room(needed, invoke);
+            return NO_ROOM;
         }
         let most = ROOM - left - right;
         if (far_left != NONE) {
@@ -166,27 +162,38 @@ fn serve_task() -> u32 {
         read_left(clamp(PULL, needed - left, most));
         return GO_ON;
     }
-    if (left + right > ROOM) {
-        return make_room(needed, invoke);
-    }
-    return GO_ON;
+    return select(GO_ON, NO_ROOM, left + right > ROOM);
 }
 
 var<private> latest: u32;    // task that was looked at last, for messages
 var<private> dead: bool;     // the adapter cuts this invocation's loops short
+var<private> needed: u32;    // operands that the task to run waits for
+var<private> why: u32;       // flag of an interruption
 
 fn serve() -> u32 {
     dead = !loops_alive();
     if (dead) {
         return CUT_SHORT;
     }
-    if (invoke == NO_TASK) {
-        if (right != 0u) {
-            return GO_ON;
-        }
-        return serve_idle();
+    needed = 0u;
+    why = 0u;
+    var reason = GO_ON;
+    if (invoke != NO_TASK) {
+        reason = serve_task();
+    } else if (right == 0u) {
+        reason = serve_idle();
     }
-    return serve_task();
+    if (reason == NO_ROOM) {
+        reason = GO_ON;
+        if (!spill(needed)) {
+            why = FLAG_MEMORY;
+            reason = INTERRUPTED;
+        }
+    }
+    if (reason == INTERRUPTED) {
+        interrupt(latest, why);
+    }
+    return reason;
 }
 
 fn clear_lane() {
@@ -216,34 +223,37 @@ fn put(word: u32, function: bool) {
     }
 }
 
-fn put_left() {
-    for (var index = 0u; index < left; index += 1u) {
-        put(window[slot(index)], false);
+// Literals to the left, the task to run, then each segment: its literals, its task.
+fn put_window() {
+    var index = 0u;
+    var pending = 0u;
+    loop {
+        var word = invoke;
+        var function = false;
+        if (index < left) {
+            word = window[slot(index)];
+            index += 1u;
+        } else if (pending > 0u) {
+            word = window[slot(WINDOW - right)];
+            right -= 1u;
+            pending -= 1u;
+        } else if (invoke != NO_TASK) {
+            function = true;
+            invoke = NO_TASK;
+        } else if (right > 0u) {
+            let header = window[slot(WINDOW - right)];
+            right -= 1u;
+            pending = header >> 16u;
+            let task = header & 0xffffu;
+            invoke = select(task, NO_TASK, task == HEADER_NONE);
+            charge(1u);
+            continue;
+        } else {
+            break;
+        }
+        put(word, function);
     }
     left = 0u;
-}
-
-fn put_right() {
-    while (right > 0u) {
-        let header = window[slot(WINDOW - right)];
-        right -= 1u;
-        for (var count = header >> 16u; count > 0u; count -= 1u) {
-            put(window[slot(WINDOW - right)], false);
-            right -= 1u;
-        }
-        if ((header & 0xffffu) != HEADER_NONE) {
-            put(header & 0xffffu, true);
-        }
-    }
-}
-
-fn put_window() {
-    put_left();
-    if (invoke != NO_TASK) {
-        put(invoke, true);
-        invoke = NO_TASK;
-    }
-    put_right();
 }
 
 fn put_rest_of_bits() {
@@ -269,14 +279,16 @@ fn keeps_window() -> bool {
 fn publish(reason: u32) {
     put_count = 0u;
     put_mask = 0u;
+    var head = NONE;
     if (reason == INTERRUPTED && keeps_window()) {
-        let page = suspend();
-        put(RESUME | page, true);
+        head = suspend();
         // In a lean round this is the lane that goes on alone.
-        atomicStore(&state.next_sole, page);
+        atomicStore(&state.next_sole, head);
+    } else if (far_left != NONE) {
+        head = state_page(true, false);
     }
-    if (far_left != NONE) {
-        put(RESUME | state_page(true, false), true);
+    if (head != NONE) {
+        put(RESUME | head, true);
     }
     put_window();
     if (far_right != NONE) {

@@ -57,7 +57,8 @@ fn programs_of(path: &'static str, backend: &Arc<Ghyll>) -> Vec<Trial> {
         let backend = backend.clone();
         let gpu = (index % GPU_TURN == 0).then_some(Mode::GpuAuto);
         Trial::test(format!("docs::{name}::line-{}", block.line), move || {
-            let modes: Vec<Mode> = Mode::usual().into_iter().chain(gpu).filter(|mode| backend.runs(*mode)).collect();
+            let modes: Vec<Mode> =
+                Mode::usual().into_iter().chain(gpu).filter(|mode| backend.runs(*mode)).collect();
             verdict(manual::faults(&block, &*backend, &modes))
         })
     };

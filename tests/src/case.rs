@@ -21,6 +21,7 @@ pub struct Case {
     pub program: Program,
     pub settings: Settings,
     pub expectations: Vec<Expectation>,
+    /// Those that the header names; [`Mode::in_turn`] gives modes to the others.
     pub modes: Vec<Mode>,
     /// Why the case must fail for now; a trial that passes is an error, so that the word is taken away.
     pub broken: Option<String>,

@@ -76,9 +76,9 @@ impl Mode {
         Mode::ALL.iter().copied().filter(|m| m.is_gpu()).collect()
     }
 
-    /// Adds to the cases of the usual modes one of the GPU each, in turn, or as many as an area needs to meet all of
-    /// them. What ends in a failure or is measured depends on the mode, so such a case is run in the usual one of the
-    /// GPU unless it names its modes.
+    /// Gives the cases that name no modes the usual ones and one of the GPU each, in turn, or as many as an area needs to
+    /// meet all of them. What ends in a failure or is measured depends on the mode, so such a case is run in the usual
+    /// one of the GPU unless it names its modes.
     pub fn in_turn(cases: &mut [Case], all: bool) {
         let on_gpu = Mode::on_gpu();
         let measured = |c: &Case| {
@@ -86,10 +86,11 @@ impl Mode {
                 |e: &Expectation| matches!(e, Expectation::Fails { .. } | Expectation::Rounds { .. });
             c.settings.memory.is_some() || c.settings.timeout.is_some() || c.expectations.iter().any(depends)
         };
-        let unnamed = |c: &Case| crate::judge::runs(c) && c.modes == Mode::usual();
         for area in cases.chunk_by_mut(|a, b| a.area() == b.area()) {
+            let mut unnamed: Vec<&mut Case> = area.iter_mut().filter(|c| c.modes.is_empty()).collect();
+            unnamed.iter_mut().for_each(|case| case.modes = Mode::usual());
             let (fixed, mut chosen): (Vec<&mut Case>, Vec<&mut Case>) =
-                area.iter_mut().filter(|c| unnamed(c)).partition(|c| measured(c));
+                unnamed.into_iter().filter(|c| crate::judge::runs(c)).partition(|c| measured(c));
             fixed.into_iter().for_each(|case| case.modes.push(Mode::GpuAuto));
             let pictures = |c: &Case| c.expectations.iter().any(|e| matches!(e, Expectation::Render(_)));
             // Pictures have shaders of their own, and turns of their own.
@@ -137,10 +138,10 @@ mod tests {
 
     #[test]
     fn named_modes_stay_and_all_is_all() {
-        let text = "//# case a\n//# run main() => 1\n//# modes cpu\nfn main() -> i32 = 1;\n";
+        let text = "//# case a\n//# run main() => 1\n//# modes oracle cpu\nfn main() -> i32 = 1;\n";
         let mut named = parse("a/b", text).expect("sound headers");
         Mode::in_turn(&mut named, true);
-        assert_eq!(named[0].modes, Mode::named("cpu").expect("a family"));
+        assert_eq!(named[0].modes, Mode::usual(), "none of the GPU");
         let text = "//# case a\n//# fails main() => 3 \"x\"\nfn main() -> i32 = 1;\n";
         let mut measured = parse("a/b", text).expect("sound headers");
         Mode::in_turn(&mut measured, true);

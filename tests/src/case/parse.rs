@@ -118,9 +118,6 @@ impl Reader<'_> {
         if case.program.text.trim().is_empty() {
             return Err(format!("case `{}` has no program", case.name));
         }
-        if case.modes.is_empty() {
-            case.modes = Mode::usual();
-        }
         let errors = case
             .expectations
             .iter()

@@ -12,7 +12,7 @@ fn a_file_holds_many_cases() {
     let cases = parse("topic", text).unwrap();
     assert_eq!(cases.len(), 2);
     assert_eq!((cases[0].line, cases[0].program.text.as_str()), (3, "fn main() -> i32 = 1;\n\n"));
-    assert_eq!(cases[0].modes, Mode::usual());
+    assert!(cases[0].modes.is_empty());
     assert_eq!(cases[1].modes, [Mode::CpuAuto, Mode::CpuBlock, Mode::CpuLane, Mode::GpuLane]);
     let Expectation::Run { call, value, tolerance } = &cases[1].expectations[0] else { panic!("no run") };
     assert_eq!(call, &Call { entry: "main".into(), args: vec!["2".into(), "(3, 4)".into()] });

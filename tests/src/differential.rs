@@ -19,12 +19,12 @@ use std::time::{Duration, Instant};
 pub const BATCH: usize = 25;
 
 /// Of so many files one goes to the GPU, in one of its modes. A driver takes seconds for the shader of long programs,
-/// so those of seven such files in eight are short.
+/// so only those of the first such file are long.
 const GPU_TURN: usize = 4;
 
 /// Most decisions in a program, and in a short one.
 const LONG: usize = 500;
-const SHORT: usize = 120;
+const SHORT: usize = 80;
 
 /// How long a program is made smaller.
 const SHRINKING: Duration = Duration::from_secs(60);
@@ -53,7 +53,7 @@ pub fn search(
     let (on_gpu, others): (Vec<Mode>, Vec<Mode>) = modes.iter().partition(|mode| mode.is_gpu());
     for file in 0..programs.div_ceil(BATCH) {
         let on_gpu_too = file % GPU_TURN == 0;
-        let strategy = genes(if on_gpu_too && file % (8 * GPU_TURN) != 0 { SHORT } else { LONG });
+        let strategy = genes(if on_gpu_too && file > 0 { SHORT } else { LONG });
         let draw = |_| strategy.new_tree(&mut runner).expect("lists of numbers are never rejected").current();
         let lists: Vec<Vec<u32>> = (0..BATCH).map(draw).collect();
         let turn = file / GPU_TURN % on_gpu.len().max(1);

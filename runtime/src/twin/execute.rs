@@ -47,6 +47,8 @@ pub fn execute(
     let run = |records: &[Record]| {
         pool.with(|machine| {
             let mut output = Output { components, ..Output::default() };
+            let function = records.first().map_or("", |r| pool.code.function(r.redex.task));
+            pool.limits.check_clock(function)?;
             for record in records {
                 rewrite(machine, &pairs[record.pair].tokens, record.redex, depth, &mut output)?;
             }

@@ -87,6 +87,11 @@ impl Limits {
         }))
     }
 
+    /// Whether work that is under way may be dropped: the run has ended, or [`Limits::check_clock`] is about to end it.
+    pub fn is_over(&self) -> bool {
+        self.stopped.load(Relaxed) || self.start.elapsed() > self.timeout
+    }
+
     /// Replaces a holding of `before` bytes by one of `after`.
     pub fn hold(&self, before: u64, after: u64, function: &str) -> Result<(), RunError> {
         if after <= before {

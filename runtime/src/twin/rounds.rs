@@ -36,6 +36,8 @@ pub struct Rounds<'p, 'r> {
     idle: u32,
     /// Bytes charged for the stream.
     held: u64,
+    /// Function of the first redex of the last round that had one.
+    function: &'r str,
     pub stats: Stats,
 }
 
@@ -49,7 +51,8 @@ impl<'p, 'r> Rounds<'p, 'r> {
         let longest = arities.chain([1 + components]).max().unwrap_or(0);
         let block = block.max(2 * (longest + 1)) as usize;
         let stats = Stats::default();
-        Rounds { pool, schedule, block, components, order: vec![], odd: false, idle: 0, held: 0, stats }
+        let (order, function) = (Vec::new(), "");
+        Rounds { pool, schedule, block, components, order, odd: false, idle: 0, held: 0, function, stats }
     }
 
     /// Rewrites `stream` to its normal form and calls `observe` with every stream on the way.
@@ -59,7 +62,8 @@ impl<'p, 'r> Rounds<'p, 'r> {
         store: &mut Store,
         observe: &mut dyn FnMut(&[Block]),
     ) -> Result<Vec<u32>, RunError> {
-        self.charge(stream.len() as u64, self.first_function(&stream))?;
+        self.function = self.first_function(&stream);
+        self.charge(stream.len() as u64, self.function)?;
         self.order = fresh(stream, self.block);
         self.odd = false;
         self.idle = 0;
@@ -81,6 +85,12 @@ impl<'p, 'r> Rounds<'p, 'r> {
         let mut records = queue(&pairs);
         self.limit_queue(&mut pairs, &mut records);
         lap(clock, &mut self.stats.decode);
+        // Where the stream doubles, a single round takes as long as all before it.
+        if let Some(first) = records.first() {
+            self.function = self.pool.code.function(first.redex.task);
+        }
+        let function = self.function;
+        self.pool.limits.check_clock(function)?;
 
         let mut depth = self.schedule.depth(records.len());
         let (outputs, Allocation { grants, length }) = loop {
@@ -93,14 +103,12 @@ impl<'p, 'r> Rounds<'p, 'r> {
             }
             // Not one redex may become longer: the first has to become shorter, in a window of its own.
             if depth >= LAST_RESORT {
-                let function = self.pool.code.function(records[0].redex.task);
                 let bytes = (length + outputs[0].tokens.len() as u64) * TOKEN_BYTES;
                 return Err(self.pool.limits.out_of_memory(bytes, function));
             }
             depth = depth.saturating_mul(16).min(LAST_RESORT);
             keep_first(1, &mut pairs, &mut records);
         };
-        let function = records.first().map_or("", |r| self.pool.code.function(r.redex.task));
         self.charge(length, function)?;
 
         let clock = Instant::now();
@@ -159,7 +167,10 @@ impl<'p, 'r> Rounds<'p, 'r> {
     fn load(&mut self) -> (Vec<Part>, Vec<Pair>) {
         let mut parts = pair_up(std::mem::take(&mut self.order), self.odd);
         let (code, components, regions) = (self.pool.code, self.components, self.schedule.regions());
-        let decode = |part: &mut &mut Part| decode(code, components, regions, part.tokens());
+        let decode = |part: &mut &mut Part| match self.pool.limits.is_over() {
+            true => Pair::default(),
+            false => decode(code, components, regions, part.tokens()),
+        };
         let mut open: Vec<&mut Part> = parts.iter_mut().filter(|part| !part.is_quiet()).collect();
         let decoded: Vec<Pair> = match open.len() {
             0..FEW => open.iter_mut().map(decode).collect(),
@@ -192,6 +203,9 @@ impl<'p, 'r> Rounds<'p, 'r> {
             next += pair.redexes.len();
         }
         let write = |part: Part| {
+            if self.pool.limits.is_over() {
+                return Vec::new();
+            }
             let at =
                 part.pair.map(|at| (&pairs[at], &grants[firsts[at]..firsts[at] + pairs[at].redexes.len()]));
             match at {

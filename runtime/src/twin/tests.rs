@@ -283,6 +283,17 @@ fn what_does_not_end_is_an_error_that_names_the_function() {
 }
 
 #[test]
+fn the_clock_is_looked_at_within_a_round() {
+    // Where the stream doubles, a whole round takes as long as all before it.
+    let config = Config { timeout: Duration::ZERO, rewriter: Rewriter::Block, ..Config::default() };
+    let error = evaluate(GROW, &[1], &config).unwrap_err();
+    assert!(
+        matches!(&error, RunError::Timeout { function, reached, .. } if function == "grow" && reached == "0 rewrites"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_round_costs_what_its_redexes_do() {
     let config = Config { rewriter: Rewriter::Block, depth: Some(1), ..Config::default() };
     let (words, stats) = evaluate(TOTAL, &[5000], &config).unwrap();

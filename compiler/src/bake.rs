@@ -122,7 +122,7 @@ pub(crate) fn slots(program: &Program) -> BTreeSet<u32> {
     for function in &program.functions {
         core::walk::statements(&function.body.stmts, &mut |stmt| {
             if let Op::Intrinsic(intrinsic, args) = &stmt.op
-                && intrinsic.is_raster()
+                && intrinsic.reading().is_some()
                 && let Some(Atom::Const(Const::U32(slot))) = args.first()
             {
                 found.insert(*slot);

@@ -12,6 +12,8 @@ pub enum Shape {
     Number(u8),
     /// n arguments and the result of one type, i32 or u32.
     Integer(u8),
+    /// n arguments and the result of one type, i32 or u32; then the first bit and the number of bits, u32.
+    Bits(u8),
     /// `(T, T, T or f32) -> T`, T `f32` or a float vector.
     Mix,
     /// `(T, T, bool) -> T`, any T without functions.
@@ -32,7 +34,8 @@ pub enum Shape {
     Convert,
     /// i32, u32 or f32, same bits.
     Bitcast,
-    /// `vecN(...)`, `ivecN(...)`: scalars and vectors with N components together, or one scalar for all.
+    /// `vecN(...)`, `ivecN(...)`: scalars and vectors with N components together, one scalar for all, or one vector of
+    /// N components of the other kind, converted.
     VectorOf(u8),
     IVectorOf(u8),
     /// `matN(...)`: N columns or N*N scalars.
@@ -130,6 +133,8 @@ builtins! {
     ReverseBits "reverseBits" Everywhere Integer(1);
     FirstLeadingBit "firstLeadingBit" Everywhere Integer(1);
     FirstTrailingBit "firstTrailingBit" Everywhere Integer(1);
+    ExtractBits "extractBits" Everywhere Bits(1);
+    InsertBits "insertBits" Everywhere Bits(2);
 
     ToF32 "f32" Everywhere Convert;
     ToI32 "i32" Everywhere Convert;

@@ -68,18 +68,52 @@ intrinsics! {
     Raster2 "raster_2" (U32, F32, F32) -> (F32, F32) 40;
     Raster3 "raster_3" (U32, F32, F32) -> (F32, F32, F32) 50;
     Raster4 "raster_4" (U32, F32, F32) -> (F32, F32, F32, F32) 60;
+    // Their gradients: the components' slopes by x, then those by y.
+    GradientRaster1 "gradient_raster_1" (U32, F32, F32) -> (F32, F32) 40;
+    GradientRaster2 "gradient_raster_2" (U32, F32, F32) -> (F32, F32, F32, F32) 50;
+    GradientRaster3 "gradient_raster_3" (U32, F32, F32) -> (F32, F32, F32, F32, F32, F32) 60;
+    GradientRaster4 "gradient_raster_4" (U32, F32, F32) -> (F32, F32, F32, F32, F32, F32, F32, F32) 70;
+    // Their second derivatives by x and y; those by one of them alone are 0.
+    TwistRaster1 "twist_raster_1" (U32, F32, F32) -> (F32) 40;
+    TwistRaster2 "twist_raster_2" (U32, F32, F32) -> (F32, F32) 50;
+    TwistRaster3 "twist_raster_3" (U32, F32, F32) -> (F32, F32, F32) 60;
+    TwistRaster4 "twist_raster_4" (U32, F32, F32) -> (F32, F32, F32, F32) 70;
+}
+
+/// What of a data layer is read; its slot is the first operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    Value,
+    Gradient,
+    Twist,
+}
+
+impl Reading {
+    const ALL: [Reading; 3] = [Reading::Value, Reading::Gradient, Reading::Twist];
+
+    /// By the layer's components, 1 to 4.
+    const fn row(self) -> [Intrinsic; 4] {
+        use Intrinsic::*;
+        match self {
+            Reading::Value => [Raster1, Raster2, Raster3, Raster4],
+            Reading::Gradient => [GradientRaster1, GradientRaster2, GradientRaster3, GradientRaster4],
+            Reading::Twist => [TwistRaster1, TwistRaster2, TwistRaster3, TwistRaster4],
+        }
+    }
+
+    /// The intrinsic for a layer of 1 to 4 components.
+    pub fn of(self, components: usize) -> Option<Intrinsic> {
+        self.row().get(components.checked_sub(1)?).copied()
+    }
 }
 
 impl Intrinsic {
-    /// Reads a layer of 1 to 4 components.
-    pub fn raster(components: usize) -> Option<Intrinsic> {
-        use Intrinsic::{Raster1, Raster2, Raster3, Raster4};
-        [Raster1, Raster2, Raster3, Raster4].into_iter().find(|i| i.results().len() == components)
-    }
-
-    /// Whether it reads a layer.
-    pub fn is_raster(self) -> bool {
-        Intrinsic::raster(self.results().len()) == Some(self)
+    /// What it reads of a layer of how many components.
+    pub fn reading(self) -> Option<(Reading, usize)> {
+        Reading::ALL.into_iter().find_map(|reading| {
+            let at = reading.row().iter().position(|i| *i == self)?;
+            Some((reading, at + 1))
+        })
     }
 }
 

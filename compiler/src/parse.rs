@@ -16,6 +16,8 @@ use crate::lexer::{Lexed, Lexeme, lex};
 use crate::source::{SourceId, Span};
 use crate::typed::{Attributes, UnaryOp};
 
+pub use errors::KEYWORDS;
+
 lalrpop_mod!(
     #[allow(clippy::all)]
     #[rustfmt::skip]
@@ -174,18 +176,14 @@ impl Context<'_> {
         let mut attributes = Attributes::default();
         let last = names.last().map(|n| n.span);
         for name in names {
-            let flag = match name.text.as_str() {
-                "task" => &mut attributes.task,
-                "inline" => &mut attributes.inline,
-                "bake" => &mut attributes.bake,
-                other => {
-                    let title = format!("there is no attribute `@{other}`");
-                    self.report(
-                        Diagnostic::error(codes::UNKNOWN_ATTRIBUTE, name.span, title)
-                            .help("the attributes are `@task`, `@inline` and `@bake`"),
-                    );
-                    continue;
-                }
+            let Some(flag) = attributes.flag(&name.text) else {
+                let title = format!("there is no attribute `@{}`", name.text);
+                let known = Attributes::NAMES.map(|name| format!("`@{name}`")).join(", ");
+                self.report(
+                    Diagnostic::error(codes::UNKNOWN_ATTRIBUTE, name.span, title)
+                        .help(format!("the attributes are {known}")),
+                );
+                continue;
             };
             if std::mem::replace(flag, true) {
                 let title = format!("`@{}` stands twice", name.text);

@@ -116,6 +116,15 @@ pub struct Attributes {
     pub bake: bool,
 }
 
+impl Attributes {
+    pub const NAMES: [&str; 3] = ["task", "inline", "bake"];
+
+    pub fn flag(&mut self, name: &str) -> Option<&mut bool> {
+        let flags = [&mut self.task, &mut self.inline, &mut self.bake];
+        Self::NAMES.into_iter().zip(flags).find_map(|(own, flag)| (own == name).then_some(flag))
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Function {
     pub name: String,

@@ -41,11 +41,15 @@ fn terrain_number(layer: TerrainLayer, at: u32) -> f32 {
 }
 
 // A product within rounding of a whole number counts as that number, so that a position computed for a texel meets it.
-fn terrain_grid(x: f32, scale: f32, shift: f32, size: u32) -> f32 {
+fn terrain_unbounded(x: f32, scale: f32, shift: f32) -> f32 {
     let product = x * scale;
     let whole = round(product);
     let near = abs(product - whole) <= abs(product) * 2.3841858e-7;
-    return min(max(select(product, whole, near) + shift, 0.0), f32(size - 1u));
+    return select(product, whole, near) + shift;
+}
+
+fn terrain_grid(x: f32, scale: f32, shift: f32, size: u32) -> f32 {
+    return min(max(terrain_unbounded(x, scale, shift), 0.0), f32(size - 1u));
 }
 
 fn terrain_texels(layer: TerrainLayer, x: f32, y: f32) -> TerrainTexels {

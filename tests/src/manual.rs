@@ -10,6 +10,8 @@ use crate::pages;
 use ghyll_compiler::builtins::{Builtin, Scope};
 use ghyll_compiler::explain::Block;
 use ghyll_compiler::library;
+use ghyll_compiler::parse::KEYWORDS;
+use ghyll_compiler::typed::Attributes;
 use std::collections::BTreeSet;
 
 /// What is wrong with one block of a text, on these machines.
@@ -54,13 +56,26 @@ fn values(block: &Block) -> Result<Option<Case>, String> {
     Ok(cases.into_iter().next())
 }
 
-/// What the manual does not explain: built-ins and everything of the library modules that a program can name.
+/// What the manual does not explain: built-ins, attributes and everything of the library modules that a program can
+/// name. Each has a row of a table of its own; the keywords are listed and stand in the grammar.
 pub fn missing(manual: &str) -> Vec<String> {
-    let spans: Vec<&str> = manual.split('`').skip(1).step_by(2).collect();
+    let rows: Vec<&str> = manual.lines().filter(|line| line.starts_with("| `")).collect();
+    let spans: Vec<&str> = rows
+        .iter()
+        .flat_map(|row| row.split(" | ").next().unwrap_or(row).split('`').skip(1).step_by(2))
+        .collect();
     let builtins =
         Builtin::ALL.iter().filter(|b| b.scope() != Scope::Library).map(|b| format!("{}(", b.name()));
     let mut missing: Vec<String> =
         builtins.filter(|start| !spans.iter().any(|span| span.starts_with(start.as_str()))).collect();
+    let attributes = Attributes::NAMES.map(|name| format!("@{name}"));
+    missing.extend(attributes.into_iter().filter(|name| !spans.contains(&name.as_str())));
+    let listed = manual.lines().find(|line| line.starts_with("| keyword |")).unwrap_or_default();
+    let listed: Vec<&str> = listed.split(|c: char| !c.is_alphanumeric()).collect();
+    let (_, grammar) = manual.split_once("## Grammar").unwrap_or((manual, ""));
+    let keywords =
+        KEYWORDS.iter().filter(|word| !listed.contains(word) || !grammar.contains(&format!("\"{word}\"")));
+    missing.extend(keywords.map(|word| format!("keyword {word}")));
     for (_, text) in library::MODULES {
         missing.extend(signatures(text).into_iter().filter(|wanted| !spans.contains(&wanted.as_str())));
     }
@@ -121,6 +136,17 @@ mod tests {
         );
         assert!(!missing("| `atan2(y, x)` |").contains(&"atan2(".to_owned()));
         assert!(missing("atan2(y, x)").contains(&"atan2(".to_owned()));
+        assert!(missing("Not a row: `atan2(y, x)`").contains(&"atan2(".to_owned()));
+        assert!(missing("| `acos(x)` | see `atan2(y, x)` |").contains(&"atan2(".to_owned()));
+        assert!(
+            all.contains(&"@bake".to_owned())
+                && !missing("| `@bake` | meaning |").contains(&"@bake".to_owned())
+        );
+        let half = "| keyword | `use with` |\n## Grammar\n\"use\"";
+        assert!(
+            all.contains(&"keyword use".to_owned()) && !missing(half).contains(&"keyword use".to_owned())
+        );
+        assert!(missing(half).contains(&"keyword with".to_owned()));
     }
 
     #[test]

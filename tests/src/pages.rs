@@ -11,13 +11,17 @@ fn program(block: &Block) -> String {
     let times = block.tag.split_whitespace().find_map(|word| word.strip_prefix("repeat="));
     match times.map(|n| n.parse::<usize>().expect("a number of copies")) {
         None => block.text.clone(),
-        Some(n) => block.text.lines().map(|line| copies(line, n)).collect(),
+        Some(n) => repeated(&block.text, n),
     }
 }
 
-fn copies(line: &str, n: usize) -> String {
-    let n = if line.contains('#') { n } else { 1 };
-    (0..n).map(|i| line.replace('#', &i.to_string()) + "\n").collect()
+/// Each line with `#` so many times, `#` being the numbers of the copies.
+pub fn repeated(text: &str, times: usize) -> String {
+    let copies = |line: &str| -> String {
+        let n = if line.contains('#') { times } else { 1 };
+        (0..n).map(|i| line.replace('#', &i.to_string()) + "\n").collect()
+    };
+    text.lines().map(copies).collect()
 }
 
 /// What `ghyll check` says.

@@ -1,15 +1,15 @@
 //! THE table of derivatives of intrinsics.
 
 use crate::core::{Intrinsic, Scalar};
+use crate::intrinsics::Reading;
 
 /// How the slopes of an intrinsic's results follow from those of its operands.
 #[derive(Clone, Copy, Debug)]
 pub enum Jacobian {
     /// The results move in steps or not at all.
     Flat,
-    /// An intrinsic of the same operands; which of its results is the partial derivative of each result by each
-    /// operand, result by result. `None` is 0.
-    Given(Intrinsic, &'static [Option<u8>]),
+    /// Among the results of an intrinsic of the same operands; [`place`] says where.
+    Given(Intrinsic),
     /// The compiler knows no derivative.
     Unknown,
 }
@@ -17,17 +17,41 @@ pub enum Jacobian {
 pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
     use Intrinsic::*;
     match intrinsic {
-        Bilinear => Jacobian::Given(GradientBilinear, &[Some(0), Some(1)]),
-        GradientBilinear => Jacobian::Given(TwistBilinear, &[None, Some(0), Some(0), None]),
-        Triangulated => Jacobian::Given(GradientTriangulated, &[Some(0), Some(1)]),
+        Bilinear => Jacobian::Given(GradientBilinear),
+        GradientBilinear => Jacobian::Given(TwistBilinear),
+        Triangulated => Jacobian::Given(GradientTriangulated),
         Nearest | TwistBilinear | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
-        TraceTriangulated | TraceBilinear | Camera => Jacobian::Unknown,
+        TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
         // Of a raster or a baked function.
-        Raster1 | Raster2 | Raster3 | Raster4 => Jacobian::Unknown,
-        Place => Jacobian::Unknown,
+        Raster1 => Jacobian::Given(GradientRaster1),
+        Raster2 => Jacobian::Given(GradientRaster2),
+        Raster3 => Jacobian::Given(GradientRaster3),
+        Raster4 => Jacobian::Given(GradientRaster4),
+        GradientRaster1 => Jacobian::Given(TwistRaster1),
+        GradientRaster2 => Jacobian::Given(TwistRaster2),
+        GradientRaster3 => Jacobian::Given(TwistRaster3),
+        GradientRaster4 => Jacobian::Given(TwistRaster4),
+        TwistRaster1 | TwistRaster2 | TwistRaster3 | TwistRaster4 => Jacobian::Flat,
         // No operands.
         Extent | Texel | Relief | PixelWidth | SunDir | SunColor => Jacobian::Flat,
+    }
+}
+
+/// Which result of the intrinsic that [`jacobian`] names is the derivative of `result` by `operand`; none is 0.
+pub fn place(intrinsic: Intrinsic, result: usize, operand: usize) -> Option<usize> {
+    match intrinsic.reading() {
+        // The first operand is the slot.
+        Some((reading, components)) => {
+            let axis = operand.checked_sub(1)?;
+            match reading {
+                Reading::Value => Some(axis * components + result),
+                Reading::Gradient => (result / components != axis).then_some(result % components),
+                Reading::Twist => None,
+            }
+        }
+        None if intrinsic == Intrinsic::GradientBilinear => (result != operand).then_some(0),
+        None => Some(operand),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Derive;
 use super::activity::{Mask, mask};
 use super::rules::{Emit, Partial, Rule, number, rule};
-use super::surfaces::{Jacobian, jacobian};
+use super::surfaces::{Jacobian, jacobian, place};
 use crate::codes;
 use crate::core::{Atom, Block, Const, Function, Intrinsic, Loop, Op, Prim, Scalar, Stmt, Var};
 use crate::diagnostic::Diagnostic;
@@ -241,19 +241,19 @@ impl<'a, 'd> Transform<'a, 'd> {
     }
 
     fn intrinsic(&mut self, dst: &[Var], intrinsic: Intrinsic, args: &[Atom]) {
-        let (partials, places) = match jacobian(intrinsic) {
+        let partials = match jacobian(intrinsic) {
             Jacobian::Flat => return,
-            Jacobian::Given(partials, places) => (partials, places),
+            Jacobian::Given(partials) => partials,
             Jacobian::Unknown => return self.unknown(intrinsic),
         };
         let words: Vec<Var> = partials.results().iter().map(|s| self.emit().fresh(*s)).collect();
         self.out.push(Stmt { dst: words.clone(), op: Op::Intrinsic(partials, args.to_vec()) });
-        for (v, row) in dst.iter().zip(places.chunks(args.len())) {
+        for (result, v) in dst.iter().enumerate() {
             let terms: Vec<(Partial, Slopes)> = args
                 .iter()
-                .zip(row)
-                .filter_map(|(arg, place)| {
-                    let factor = Atom::Var(words[(*place)? as usize]);
+                .enumerate()
+                .filter_map(|(operand, arg)| {
+                    let factor = Atom::Var(words[place(intrinsic, result, operand)?]);
                     Some((Partial::Times(factor), self.of(*arg)))
                 })
                 .collect();
@@ -264,7 +264,7 @@ impl<'a, 'd> Transform<'a, 'd> {
     fn unknown(&mut self, intrinsic: Intrinsic) {
         let Some(span) = self.derive.span else { return };
         let name = intrinsic.name().split('_').next().unwrap_or_default();
-        let what = if intrinsic.is_raster() { "a data layer".into() } else { format!("`{name}`") };
+        let what = format!("`{name}`");
         let mut diagnostic = Diagnostic::error(
             codes::NO_DERIVATIVE,
             span,

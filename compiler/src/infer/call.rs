@@ -484,6 +484,7 @@ pub(super) fn arity(builtin: Builtin) -> Option<usize> {
         Shape::Float(n) | Shape::Number(n) | Shape::Integer(n) | Shape::Measure(n) | Shape::Vector(n) => {
             n.into()
         }
+        Shape::Bits(n) => usize::from(n) + 2,
         Shape::Mix | Shape::Select | Shape::Refract => 3,
         Shape::Cross => 2,
         Shape::Matrix | Shape::Determinant | Shape::Convert | Shape::Bitcast => 1,

@@ -93,6 +93,11 @@ impl Infer<'_, '_> {
             Shape::Float(_) => self.uniform(builtin, args, Kind::Float, Some(result), None, span),
             Shape::Number(_) => self.uniform(builtin, args, Kind::Number, Some(result), None, span),
             Shape::Integer(_) => self.uniform(builtin, args, Kind::Integer, Some(result), None, span),
+            Shape::Bits(n) => {
+                let (values, places) = args.split_at(n.into());
+                places.iter().for_each(|&place| self.argument(place, Ty::U32));
+                self.uniform(builtin, values, Kind::Integer, Some(result), None, span)
+            }
             Shape::Vector(_) => self.uniform(builtin, args, Kind::Vector, Some(result), None, span),
             Shape::Matrix => self.uniform(builtin, args, Kind::Matrix, Some(result), None, span),
             Shape::Determinant => {
@@ -266,8 +271,15 @@ impl Infer<'_, '_> {
         guess: bool,
     ) -> bool {
         self.result(result, whole, span);
+        // A vector of as many components of the other kind is converted.
+        let other = if element == Ty::F32 { Class::IVec(n) } else { Class::Vec(n) };
+        if let [(ty, _)] = args
+            && self.class(*ty) == other
+        {
+            return true;
+        }
         let mut total = 0usize;
-        let mut unknown = false;
+        let (mut unknown, mut wrong) = (false, false);
         for &(ty, at) in args {
             total += match self.class(ty) {
                 // As many arguments as components are all scalars.
@@ -282,7 +294,9 @@ impl Infer<'_, '_> {
                 Class::Error => return self.abandon(args, result),
                 Class::Vec(k) if element == Ty::F32 => k as usize,
                 Class::IVec(k) if element == Ty::I32 => k as usize,
-                _ => {
+                class => {
+                    // How many there are says nothing where some are of the wrong kind.
+                    wrong |= !matches!(class, Class::Literal | Class::Scalar(_));
                     self.argument((ty, at), element);
                     1
                 }
@@ -292,7 +306,7 @@ impl Infer<'_, '_> {
             return false;
         }
         let one_for_all = args.len() == 1 && total == 1;
-        if total != n as usize && !one_for_all {
+        if total != n as usize && !one_for_all && !wrong {
             let title = format!("`{}` needs {n} components, found {total}", builtin.name());
             let help =
                 format!("give {n} scalars, vectors that have {n} components together, or one scalar for all");

@@ -8,7 +8,7 @@ use crate::codes;
 use crate::core::{Atom, Const, Intrinsic, Op, Prim, Scalar};
 use crate::source::Span;
 use crate::typed::{ExprKind, Type};
-use Scalar::F32;
+use Scalar::{F32, U32};
 
 impl<'m> Lower<'m> {
     pub(super) fn builtin(&mut self, builtin: Builtin, at: Application<'_, 'm>) -> Value<'m> {
@@ -59,8 +59,12 @@ impl<'m> Lower<'m> {
                 if parts.len() == 1 {
                     parts = vec![parts[0]; n as usize];
                 }
-                Value::vector(parts)
+                let to =
+                    if matches!(builtin.shape(), Shape::VectorOf(_)) { Prim::ToF32 } else { Prim::ToI32 };
+                self.convert(to, &Value::vector(parts))
             }
+            Builtin::ExtractBits => self.extract_bits(args),
+            Builtin::InsertBits => self.insert_bits(args),
             Builtin::Mat2 | Builtin::Mat3 | Builtin::Mat4 => {
                 let Shape::MatrixOf(n) = builtin.shape() else { unreachable!("these rows build matrices") };
                 let parts: Vec<Atom> = args.iter().flat_map(Value::components).collect();
@@ -182,6 +186,48 @@ impl<'m> Lower<'m> {
             }
             _ => self.convert(Prim::BitcastU32, value),
         }
+    }
+
+    /// First bit and number of bits, cut to the word.
+    fn bit_range(&mut self, first: &Value<'m>, count: &Value<'m>) -> (Atom, Atom) {
+        let first = self.prim(Prim::Min, U32, vec![first.atom(), word(32)]);
+        let rest = self.prim(Prim::Sub, U32, vec![word(32), first]);
+        (first, self.prim(Prim::Min, U32, vec![count.atom(), rest]))
+    }
+
+    /// Shifted to the high end and back, where `>>` keeps the sign.
+    fn extract_bits(&mut self, args: &[Value<'m>]) -> Value<'m> {
+        let x = args[0].atom();
+        let scalar = self.scalar_of(x);
+        let (first, count) = self.bit_range(&args[1], &args[2]);
+        let down = self.prim(Prim::Sub, U32, vec![word(32), count]);
+        let up = self.prim(Prim::Sub, U32, vec![down, first]);
+        let [up, down] = [up, down].map(|by| match scalar {
+            Scalar::I32 => self.prim(Prim::BitcastI32, U32, vec![by]),
+            _ => by,
+        });
+        let high = self.prim(Prim::Shl, scalar, vec![x, up]);
+        let low = self.prim(Prim::Shr, scalar, vec![high, down]);
+        let none = self.prim(Prim::Eq, U32, vec![count, word(0)]);
+        let zero = if scalar == Scalar::I32 { Atom::Const(Const::I32(0)) } else { word(0) };
+        Value::Atom(self.prim(Prim::Select, scalar, vec![low, zero, none]))
+    }
+
+    fn insert_bits(&mut self, args: &[Value<'m>]) -> Value<'m> {
+        let signed = self.scalar_of(args[0].atom()) == Scalar::I32;
+        let [old, new] = [&args[0], &args[1]].map(|value| self.convert(Prim::BitcastU32, value).atom());
+        let (first, count) = self.bit_range(&args[2], &args[3]);
+        let unused = self.prim(Prim::Sub, U32, vec![word(32), count]);
+        let ones = self.prim(Prim::Shr, U32, vec![word(u32::MAX), unused]);
+        let mask = self.prim(Prim::Shl, U32, vec![ones, first]);
+        let outside = self.prim(Prim::Xor, U32, vec![mask, word(u32::MAX)]);
+        let kept = self.prim(Prim::And, U32, vec![old, outside]);
+        let moved = self.prim(Prim::Shl, U32, vec![new, first]);
+        let put = self.prim(Prim::And, U32, vec![moved, mask]);
+        let both = self.prim(Prim::Or, U32, vec![kept, put]);
+        let none = self.prim(Prim::Eq, U32, vec![count, word(0)]);
+        let bits = self.prim(Prim::Select, U32, vec![both, old, none]);
+        Value::Atom(if signed { self.prim(Prim::BitcastI32, U32, vec![bits]) } else { bits })
     }
 
     fn scaled(&mut self, value: &Value<'m>, factor: f32) -> Value<'m> {
@@ -369,6 +415,10 @@ fn transpose<'m>(matrix: &Value<'m>) -> Value<'m> {
 
 fn number(x: f32) -> Atom {
     Atom::Const(Const::f32(x))
+}
+
+fn word(x: u32) -> Atom {
+    Atom::Const(Const::U32(x))
 }
 
 fn float<'m>(x: f32) -> Value<'m> {

@@ -4,7 +4,8 @@ use super::shape::Shape;
 use super::value::{Closure, Value};
 use super::words::dissect_any;
 use super::{Env, INLINE_DEPTH_LIMIT, Lower};
-use crate::core::{Atom, Const, Intrinsic};
+use crate::core::{Atom, Const};
+use crate::intrinsics::Reading;
 use crate::layout;
 use crate::source::Span;
 use crate::typed::{Expr, ExprKind, FunctionId, LocalId, Type};
@@ -143,7 +144,7 @@ impl<'m> Lower<'m> {
     /// Reads a data layer at a position.
     fn layer(&mut self, slot: u32, position: &Value<'m>, result: &Type) -> Value<'m> {
         let components = layout::scalars(self.module, result).map_or(0, |s| s.len());
-        let intrinsic = Intrinsic::raster(components).expect("a layer holds 1 to 4 floats");
+        let intrinsic = Reading::Value.of(components).expect("a layer holds 1 to 4 floats");
         let slot = Value::constant(Const::U32(slot));
         self.intrinsic(intrinsic, &[slot, position.clone()], result)
     }

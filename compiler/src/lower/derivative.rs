@@ -16,7 +16,10 @@ impl<'m> Lower<'m> {
         let callee = match f {
             Value::Never => return self.placeholder(at.result),
             Value::Function(closure) => match &**closure {
-                Closure::Function(id, types) => Callee::Function(*id, types.clone()),
+                // A function that is read from a layer has the slopes of what is read.
+                Closure::Function(id, types) if !self.settings.baked.contains_key(id) => {
+                    Callee::Function(*id, types.clone())
+                }
                 _ => Callee::Value(f.clone()),
             },
             _ => Callee::Value(f.clone()),

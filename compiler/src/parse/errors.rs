@@ -13,7 +13,8 @@ const SEPARATION: usize = 3;
 /// Label of an error that is mended before the rest is parsed.
 const MISSING_SEMICOLON: &str = "`;` is missing after this";
 
-const KEYWORDS: &[&str] = &[
+/// Words that name nothing else.
+pub const KEYWORDS: &[&str] = &[
     "use", "const", "param", "raster", "fn", "struct", "enum", "type", "let", "if", "else", "match", "with",
     "in", "true", "false",
 ];

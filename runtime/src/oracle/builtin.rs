@@ -18,6 +18,7 @@ pub fn apply<'m>(p: Precision, b: Builtin, args: &[Datum<'m>]) -> Result<Option<
     }
     Ok(Some(match b.shape() {
         Shape::Float(_) | Shape::Number(_) | Shape::Integer(_) => componentwise(p, b, args)?,
+        Shape::Bits(_) => bits(b, args)?,
         Shape::Mix => mix(p, args)?,
         Shape::Select => if args[2].bool()? { &args[1] } else { &args[0] }.clone(),
         Shape::Measure(_) | Shape::Vector(_) | Shape::Refract | Shape::Cross => geometry(p, b, args)?,
@@ -25,8 +26,14 @@ pub fn apply<'m>(p: Precision, b: Builtin, args: &[Datum<'m>]) -> Result<Option<
         Shape::Determinant => Datum::F32(determinant(p, args[0].columns()?)),
         Shape::Convert => convert(p, b, &args[0])?,
         Shape::Bitcast => bitcast(b, &args[0])?,
-        Shape::VectorOf(n) => Datum::Vec(gather(args, n as usize, Datum::floats)?),
-        Shape::IVectorOf(n) => Datum::IVec(gather(args, n as usize, ints)?),
+        Shape::VectorOf(n) => Datum::Vec(match args {
+            [Datum::IVec(v)] => v.convert(|i| p.round(f64::from(i))),
+            _ => gather(args, n as usize, Datum::floats)?,
+        }),
+        Shape::IVectorOf(n) => Datum::IVec(match args {
+            [Datum::Vec(v)] => v.convert(|x| x as i32),
+            _ => gather(args, n as usize, ints)?,
+        }),
         Shape::MatrixOf(n) => matrix(args, n as usize)?,
         Shape::Fixed(_) => return Ok(None),
     }))
@@ -247,6 +254,29 @@ fn convert<'m>(p: Precision, b: Builtin, a: &Datum<'m>) -> Result<Datum<'m>, Run
         (Builtin::ToF32, Datum::F32(_)) => a.clone(),
         _ => return Err(wrong(b)),
     })
+}
+
+/// By whole numbers wide enough for every shift.
+fn bits<'m>(b: Builtin, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
+    let word = |a: &Datum| match a {
+        Datum::I32(i) => Ok(u64::from(*i as u32)),
+        Datum::U32(u) => Ok(u64::from(*u)),
+        _ => Err(wrong(b)),
+    };
+    let (values, [first, count]) = args.split_at(args.len() - 2) else { return Err(wrong(b)) };
+    let first = word(first)?.min(32);
+    let count = word(count)?.min(32 - first);
+    let mask = (1u64 << count) - 1;
+    let found = match values {
+        [x] => {
+            let part = word(x)? >> first & mask;
+            let negative = matches!(x, Datum::I32(_)) && count > 0 && part >> (count - 1) & 1 == 1;
+            if negative { part | !mask } else { part }
+        }
+        [x, new] => word(x)? & !(mask << first) | (word(new)? & mask) << first,
+        _ => return Err(wrong(b)),
+    } as u32;
+    Ok(if let Datum::I32(_) = args[0] { Datum::I32(found as i32) } else { Datum::U32(found) })
 }
 
 fn bitcast<'m>(b: Builtin, a: &Datum<'m>) -> Result<Datum<'m>, RunError> {

@@ -81,6 +81,14 @@ impl<T: Copy + Default> Components<T> {
         self.zip(self, |a, _| f(a))
     }
 
+    pub fn convert<U: Copy + Default>(self, f: impl Fn(T) -> U) -> Components<U> {
+        let mut result = Components { len: self.len, items: [U::default(); 4] };
+        for (to, from) in result.items[..self.len()].iter_mut().zip(self.slice()) {
+            *to = f(*from);
+        }
+        result
+    }
+
     pub fn zip(self, other: Components<T>, f: impl Fn(T, T) -> T) -> Components<T> {
         let mut result = self;
         for (to, (a, b)) in result.items[..self.len()].iter_mut().zip(self.slice().iter().zip(other.slice()))

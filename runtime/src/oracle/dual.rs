@@ -306,7 +306,9 @@ fn by_formula<'m>(m: Algebra, b: Builtin, a: &[Datum<'m>]) -> Result<Option<Datu
                 m.sub(&m.mul(eta, i)?, &m.mul(&factor, n)?)?
             }
         }
-        _ if matches!(b.shape(), Shape::Convert | Shape::Bitcast) => call(b, &[a[0].plain()])?,
+        _ if matches!(b.shape(), Shape::Convert | Shape::Bitcast | Shape::IVectorOf(_)) => {
+            call(b, &[a[0].plain()])?
+        }
         _ => return Ok(None),
     }))
 }

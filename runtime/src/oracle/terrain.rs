@@ -2,6 +2,7 @@
 
 use ghyll_compiler::builtins::{Builtin, SURFACES};
 use ghyll_compiler::core::{Intrinsic, Scalar};
+use ghyll_compiler::intrinsics::Reading;
 use ghyll_compiler::layout;
 use ghyll_compiler::typed::{BinaryOp, Expr, ExprKind, LocalId, RasterId};
 
@@ -32,7 +33,7 @@ const ON_SURFACES: &[(Builtin, Builtin, Intrinsic)] = &[
 
 pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
     if let ([p], true) = (args, SURFACES.contains(&b)) {
-        return sample(oracle, b, [0, 0], p);
+        return sample(oracle, Sampler::Surface(b), [0, 0], p);
     }
     if dual::highest(args) > 0 && b != Builtin::Occluded {
         let what = b.name().trim_start_matches('_');
@@ -59,7 +60,51 @@ fn unsupported_surface(b: Builtin) -> RunError {
     ))
 }
 
-/// A sampler's derivative of order (i, j) by x and y; none is 0.
+/// What is read at a position.
+#[derive(Clone, Copy)]
+enum Sampler {
+    Surface(Builtin),
+    /// A data layer: its slot and its components.
+    Layer(u32, usize),
+}
+
+impl Sampler {
+    /// The derivative of order (i, j) by x and y; none is 0.
+    fn partial<'m>(
+        self,
+        oracle: &Evaluator<'m>,
+        order: [u32; 2],
+        p: Datum<'m>,
+    ) -> Result<Datum<'m>, RunError> {
+        match self {
+            Sampler::Surface(b) => Ok(Datum::F32(match partial(b, order) {
+                Some((intrinsic, at)) => ask(oracle, intrinsic, &[p])?[at],
+                None => 0.0,
+            })),
+            Sampler::Layer(slot, components) => {
+                let (reading, first) = match order {
+                    [0, 0] => (Reading::Value, 0),
+                    [1, 0] => (Reading::Gradient, 0),
+                    [0, 1] => (Reading::Gradient, components),
+                    [1, 1] => (Reading::Twist, 0),
+                    _ => return Ok(floats(&vec![0.0; components])),
+                };
+                let intrinsic = reading.of(components).ok_or_else(|| {
+                    let what = &oracle.module.rasters[slot as usize].name;
+                    RunError::Internal(format!("the raster `{what}` has no numbers"))
+                })?;
+                let values = ask(oracle, intrinsic, &[Datum::F32(f64::from(slot)), p])?;
+                Ok(floats(&values[first..first + components]))
+            }
+        }
+    }
+}
+
+fn floats<'m>(values: &[f64]) -> Datum<'m> {
+    if let [one] = values { Datum::F32(*one) } else { Datum::vec(values) }
+}
+
+/// A surface's derivative of order (i, j) by x and y; none is 0.
 fn partial(b: Builtin, order: [u32; 2]) -> Option<(Intrinsic, usize)> {
     Some(match (b, order) {
         (Builtin::Nearest, [0, 0]) => (Intrinsic::Nearest, 0),
@@ -77,40 +122,40 @@ fn partial(b: Builtin, order: [u32; 2]) -> Option<(Intrinsic, usize)> {
 /// A sampler, or a derivative of it, at a position that may be a dual: its slope is made of the next derivatives.
 fn sample<'m>(
     oracle: &Evaluator<'m>,
-    b: Builtin,
+    sampler: Sampler,
     order: [u32; 2],
     p: &Datum<'m>,
 ) -> Result<Datum<'m>, RunError> {
     let level = p.level();
     let (p, slope) = p.split(level);
     let Some(slope) = slope.filter(|_| level > 0) else {
-        return Ok(Datum::F32(match partial(b, order) {
-            Some((intrinsic, at)) => ask(oracle, intrinsic, &[p])?[at],
-            None => 0.0,
-        }));
+        return sampler.partial(oracle, order, p);
     };
-    let value = sample(oracle, b, order, &p)?;
-    let mut sum = Datum::F32(0.0);
+    let value = sample(oracle, sampler, order, &p)?;
+    let mut sum: Option<Datum<'m>> = None;
     for (axis, next) in [[order[0] + 1, order[1]], [order[0], order[1] + 1]].into_iter().enumerate() {
         let along = slope.linear(|d| Ok(Datum::F32(d.floats()?.slice()[axis])))?;
-        let steep = sample(oracle, b, next, &p)?;
+        let steep = sample(oracle, sampler, next, &p)?;
         let term = operator::binary(oracle.precision, BinaryOp::Mul, &steep, &along)?;
-        sum = operator::binary(oracle.precision, BinaryOp::Add, &sum, &term)?;
+        sum = Some(match sum {
+            Some(sum) => operator::binary(oracle.precision, BinaryOp::Add, &sum, &term)?,
+            None => term,
+        });
     }
-    Ok(Datum::dual(level, value, sum))
+    Ok(match sum {
+        Some(slope) => Datum::dual(level, value, slope),
+        None => value,
+    })
 }
 
 /// A data layer at a position.
 pub fn raster<'m>(oracle: &Evaluator<'m>, id: RasterId, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
-    if dual::highest(args) > 0 {
-        return Err(RunError::Unsupported("a derivative that needs that of a data layer".into()));
-    }
     let definition = &oracle.module.rasters[id.0 as usize];
     let components = layout::scalars(oracle.module, &definition.ty).map_or(0, |s| s.len());
-    let intrinsic = Intrinsic::raster(components)
-        .ok_or_else(|| RunError::Internal(format!("the raster `{}` has no numbers", definition.name)))?;
-    let values = ask(oracle, intrinsic, &[&[Datum::F32(f64::from(id.0))], args].concat())?;
-    Ok(if let [one] = values[..] { Datum::F32(one) } else { Datum::vec(&values) })
+    let [p] = args else {
+        return Err(RunError::Internal(format!("`{}` is read at one position", definition.name)));
+    };
+    sample(oracle, Sampler::Layer(id.0, components), [0, 0], p)
 }
 
 /// Results of an intrinsic for arguments laid out one after the other.

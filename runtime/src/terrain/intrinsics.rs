@@ -38,9 +38,9 @@ impl Scene {
     /// Evaluates one intrinsic in single precision, with the shaders' arithmetic. Words as in the stream: floats by
     /// their bits, booleans 0 or 1. `args` and `out` are as long as the intrinsic has parameters and results.
     pub fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
-        if intrinsic.is_raster() {
+        if let Some((reading, _)) = intrinsic.reading() {
             let [x, y] = [args[1], args[2]].map(f32::from_bits);
-            return self.layers().sample_f32(args[0], x, y, out);
+            return self.layers().read_f32(reading, args[0], x, y, out);
         }
         let scene = self.uniform();
         match (&self.terrain().samples, &self.pyramid().bounds) {
@@ -56,6 +56,9 @@ impl Scene {
 
     /// Evaluates one intrinsic in double precision, brute and independent of the walk. Booleans are 0 or 1.
     pub fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
+        if let Some((reading, _)) = intrinsic.reading() {
+            return self.layers().read_f64(reading, args[0] as u32, args[1], args[2], out);
+        }
         let uniform = self.uniform();
         let field = Field::new(self.terrain(), uniform, self.options().exaggerate);
         let height = |s: Surface| [field.height(s, args[0], args[1])];
@@ -98,9 +101,7 @@ impl Scene {
                 let [column, row] = [args[0].floor(), f64::from(uniform.size[1] - 1) - args[1].floor()];
                 give(out, &[column * f64::from(uniform.spacing[0]), row * f64::from(uniform.spacing[1])]);
             }
-            Intrinsic::Raster1 | Intrinsic::Raster2 | Intrinsic::Raster3 | Intrinsic::Raster4 => {
-                self.layers().sample_f64(args[0] as u32, args[1], args[2], out);
-            }
+            layer => unreachable!("`{}` is a data layer's", layer.name()),
         }
     }
 }
@@ -161,9 +162,7 @@ fn evaluate<H: Heights>(
             let [column, row] = [arg(0).floor(), (scene.size[1] - 1) as f32 - arg(1).floor()];
             floats(out, &[column * scene.spacing[0], row * scene.spacing[1]]);
         }
-        Intrinsic::Raster1 | Intrinsic::Raster2 | Intrinsic::Raster3 | Intrinsic::Raster4 => {
-            unreachable!("layers need no heights")
-        }
+        layer => unreachable!("`{}` is a data layer's", layer.name()),
     }
 }
 

@@ -3,9 +3,12 @@
 //!
 //! Twin of `shaders/terrain/rasters.wgsl`.
 
+mod slope;
+
 use super::field::Terrain;
 use super::layout::SceneUniform;
 use super::raster::{Raster, Texels};
+use ghyll_compiler::intrinsics::Reading;
 use std::sync::Arc;
 
 /// Words of a slot's record.
@@ -73,16 +76,19 @@ impl Layer {
         &self.raster
     }
 
+    /// Column (axis 0) or row (axis 1) of a position in metres.
+    fn unbounded_f32(&self, x: f32, axis: usize) -> f32 {
+        let product = x * self.scale[axis] as f32;
+        let whole = product.round_ties_even();
+        let near = (product - whole).abs() <= product.abs() * ROUNDING;
+        (if near { whole } else { product }) + self.shift[axis] as f32
+    }
+
     /// Components at a position in metres, in single precision.
     fn sample_f32(&self, x: f32, y: f32, out: &mut [u32]) {
         let raster = &self.raster;
-        let grid = |x: f32, axis: usize, size: u32| {
-            let product = x * self.scale[axis] as f32;
-            let whole = product.round_ties_even();
-            let near = (product - whole).abs() <= product.abs() * ROUNDING;
-            let at = if near { whole } else { product } + self.shift[axis] as f32;
-            at.max(0.0).min((size - 1) as f32)
-        };
+        let grid =
+            |x: f32, axis: usize, size: u32| self.unbounded_f32(x, axis).max(0.0).min((size - 1) as f32);
         let (gx, gy) = (grid(x, 0, raster.width), grid(y, 1, raster.height));
         let (i, j) = ((gx as u32).min(raster.width - 1), (gy as u32).min(raster.height - 1));
         let (u, v) = (gx - i as f32, gy - j as f32);
@@ -139,19 +145,23 @@ impl Layers {
         self.0.get(slot as usize)?.as_ref()
     }
 
-    /// Components at a position, 0 where the slot is empty: what a program does not need may be read all the same
-    /// by an evaluator that does not look ahead.
-    pub fn sample_f32(&self, slot: u32, x: f32, y: f32, out: &mut [u32]) {
-        match self.get(slot) {
-            Some(layer) => layer.sample_f32(x, y, out),
-            None => out.fill(0),
+    /// Results of the intrinsic for a position, 0 where the slot is empty: what a program does not need may be read
+    /// all the same by an evaluator that does not look ahead.
+    pub fn read_f32(&self, reading: Reading, slot: u32, x: f32, y: f32, out: &mut [u32]) {
+        match (self.get(slot), reading) {
+            (Some(layer), Reading::Value) => layer.sample_f32(x, y, out),
+            (Some(layer), Reading::Gradient) => layer.gradient_f32(x, y, out),
+            (Some(layer), Reading::Twist) => layer.twist_f32(x, y, out),
+            (None, _) => out.fill(0),
         }
     }
 
-    pub fn sample_f64(&self, slot: u32, x: f64, y: f64, out: &mut [f64]) {
-        match self.get(slot) {
-            Some(layer) => layer.sample_f64(x, y, out),
-            None => out.fill(0.0),
+    pub fn read_f64(&self, reading: Reading, slot: u32, x: f64, y: f64, out: &mut [f64]) {
+        match (self.get(slot), reading) {
+            (Some(layer), Reading::Value) => layer.sample_f64(x, y, out),
+            (Some(layer), Reading::Gradient) => layer.gradient_f64(x, y, out),
+            (Some(layer), Reading::Twist) => layer.twist_f64(x, y, out),
+            (None, _) => out.fill(0.0),
         }
     }
 

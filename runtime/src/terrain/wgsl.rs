@@ -86,6 +86,19 @@ const PIECES: &[Piece] = pieces! {
     "raster_2" "raster" ["raster_texel_2"];
     "raster_3" "raster" ["raster_texel_3"];
     "raster_4" "raster" ["raster_texel_4"];
+    "rasters_slope" "rasters_slope" ["rasters"];
+    "raster_slope_1" "raster_slope" ["rasters_slope" "raster_texel_1"];
+    "raster_slope_2" "raster_slope" ["rasters_slope" "raster_texel_2"];
+    "raster_slope_3" "raster_slope" ["rasters_slope" "raster_texel_3"];
+    "raster_slope_4" "raster_slope" ["rasters_slope" "raster_texel_4"];
+    "gradient_raster_1" "gradient_raster_1" ["raster_slope_1"];
+    "gradient_raster_2" "gradient_raster_2" ["raster_slope_2"];
+    "gradient_raster_3" "gradient_raster_3" ["raster_slope_3"];
+    "gradient_raster_4" "gradient_raster_4" ["raster_slope_4"];
+    "twist_raster_1" "twist_raster" ["raster_slope_1"];
+    "twist_raster_2" "twist_raster" ["raster_slope_2"];
+    "twist_raster_3" "twist_raster" ["raster_slope_3"];
+    "twist_raster_4" "twist_raster" ["raster_slope_4"];
 };
 
 /// Shader text with what it needs of bind group 1.

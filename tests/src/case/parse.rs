@@ -6,6 +6,7 @@ use super::{
     Severity,
 };
 use crate::mode::Mode;
+use crate::pages::repeated;
 use crate::value::{Tolerance, Value};
 use std::collections::HashSet;
 
@@ -13,7 +14,8 @@ type Read<T> = Result<T, String>;
 
 /// The cases of one file, or the line and reason of the first mistake.
 pub fn parse(topic: &str, text: &str) -> Result<Vec<Case>, (u32, String)> {
-    let mut reader = Reader { topic, cases: Vec::new(), names: HashSet::new(), into: Into::Nothing };
+    let mut reader =
+        Reader { topic, cases: Vec::new(), names: HashSet::new(), into: Into::Nothing, repeat: None };
     let mut last = 0;
     for (index, line) in text.lines().enumerate() {
         last = index as u32 + 1;
@@ -40,6 +42,8 @@ struct Reader<'a> {
     cases: Vec<Case>,
     names: HashSet<String>,
     into: Into,
+    /// Copies of the program's lines that hold `#`.
+    repeat: Option<usize>,
 }
 
 impl Reader<'_> {
@@ -59,6 +63,10 @@ impl Reader<'_> {
             }
             case.program.files.push((rest.to_string(), String::new()));
             self.into = Into::File;
+            return Ok(());
+        }
+        if word == "repeat" {
+            self.repeat = Some(rest.parse().map_err(|_| format!("`{rest}` is no number of copies"))?);
             return Ok(());
         }
         if word == "program" {
@@ -112,6 +120,9 @@ impl Reader<'_> {
 
     fn finish_case(&mut self) -> Read<()> {
         let Some(case) = self.cases.last_mut() else { return Ok(()) };
+        if let Some(times) = self.repeat.take() {
+            case.program.text = repeated(&case.program.text, times);
+        }
         if case.expectations.is_empty() {
             return Err(format!("case `{}` expects nothing", case.name));
         }

@@ -1,4 +1,5 @@
 //! Derivatives in random programs: of functions that are exact in single precision, so that they too agree to the bit.
+//! They go through arithmetic, branches, calls, recursion, tasks, loops, enums and function values chosen at run time.
 //!
 //! Numbers are multiples of 1/4 up to 16 and no product has more than three factors: every value, and every product and
 //! sum in a derivative, has less than 24 bits.
@@ -35,7 +36,7 @@ impl Generator<'_> {
         }
         let mut part =
             |generator: &mut Self, degree: usize| generator.polynomial(variables, degree, depth - 1, scope);
-        match self.genes.pick(9) {
+        match self.genes.pick(18) {
             0 => part(self, degree),
             1 | 2 if degree > 1 => {
                 let left = 1 + self.genes.pick(degree - 1);
@@ -49,7 +50,24 @@ impl Generator<'_> {
                 let (a, b) = (part(self, degree), part(self, degree));
                 format!("(if {a} < {b} {{ {} }} else {{ {} }})", part(self, degree), part(self, degree))
             }
-            _ => format!("({}) + ({})", part(self, degree), part(self, degree)),
+            8 => format!("({}) + ({})", part(self, degree), part(self, degree)),
+            chosen => {
+                let (a, b) = (part(self, degree), part(self, degree));
+                let n = format!("({} & 3)", self.leaf(&Type::I32, scope));
+                match chosen {
+                    9 => format!("climb({n}, {a}, {b})"),
+                    10 => format!("relay({n}, {a}, {b})"),
+                    11 => format!("apart({a}, {b})"),
+                    12 => format!("worth(if {a} < {b} {{ Scaled({n}, {b}) }} else {{ Plain({a}) }})"),
+                    13 => format!("worth(match {n} {{ 0 => Nil, 1 => Plain({a}), k => Scaled(-k, {b}) }})"),
+                    14 => format!("fold(0..{n}, {a}, |s, i| {b} - s)"),
+                    15 => format!(
+                        "{{ let s = {a}; (if {n} < 2 {{ |r: f32| r - s }} else {{ |r: f32| s }})({b}) }}"
+                    ),
+                    16 => format!("[{a}, {b}][{n}]"),
+                    _ => format!("pick_step({n})({a})"),
+                }
+            }
         }
     }
 }

@@ -15,6 +15,13 @@ fn choose<A>(c: bool, yes: A, no: A) -> A = if c { yes } else { no };
 fn swap<A, B>(p: (A, B)) -> (B, A) { let (a, b) = p; (b, a) }
 fn twice<A>(f: fn(A) -> A, x: A) -> A = f(f(x));
 fn or<A>(o: Option<A>, other: A) -> A = match o { Some(x) => x, None => other };
+enum Term { Plain(f32), Scaled(i32, f32), Nil }
+fn worth(t: Term) -> f32 = match t { Plain(x) => x, Scaled(n, x) if n < 0 => -x, Scaled(_, x) => x + 1.0, Nil => 0.5 };
+fn climb(n: i32, x: f32, y: f32) -> f32 = if n <= 0 { x - y } else { climb(n - 1, y, x) };
+fn relay(n: i32, x: f32, y: f32) -> f32 = if n == 0 { x } else { back(n - 1, y, x) };
+fn back(n: i32, x: f32, y: f32) -> f32 = if n == 0 { -x } else { relay(n - 1, x, y) };
+@task fn apart(x: f32, y: f32) -> f32 = x - y;
+fn pick_step(n: i32) -> fn(f32) -> f32 = if n == 0 { |x| -x } else { if n == 1 { abs } else { apart(_, 2.0) } };
 ";
 
 impl Generator<'_> {

@@ -1,15 +1,19 @@
 //! The oracle's derivatives against differences: Richardson's extrapolation of central differences in double
 //! precision, which knows nothing of how derivatives are made.
 
+mod bodies;
+
 use super::check;
 use crate::oracle::{OracleOptions, grid};
-use crate::terrain::{Scene, SceneOptions, Terrain, View};
+use crate::terrain::raster::Texels;
+use crate::terrain::{Layer, Layers, Raster, Scene, SceneOptions, Terrain, View};
 use crate::value::Value;
 use std::sync::Arc;
 
 /// Halvings of the step.
 const LEVELS: usize = 7;
 const FIRST_STEP: f64 = 1.0 / 64.0;
+const RANDOM_BODIES: usize = 40;
 /// Places at which a function is tried.
 const PLACES: u32 = 400;
 
@@ -65,10 +69,18 @@ const BODIES: &[&str] = &[
     "bicubic(p * 90.0) + subdivided(p * 90.0, 3)",
     "noise(p * 3.0) + fbm(p * 2.0, 4) + ridged(p * 2.0, 3)",
     "grad(bilinear)(p * 90.0).x * p.y + grad(triangulated)(p * 90.0).y",
+    "layer(p * 90.0) + dot(colours(p.yx * 80.0), vec3(1.0, p.x, p.y)) + baked(p * 90.0)",
+    "grad(layer)(p * 90.0).x * p.y + deriv(|x| colours(vec2(x, p.y) * 90.0).y)(p.x)",
+    "(if p.x < 0.5 { sin } else { |x| x * p.y })(p.y) + choose(i32(p.y * 4.0))(p.x * p.y)",
+    "fold(0..4, |x: f32| x * p.x, |f, i| if i % 2 == 0 { sin } else { |x| x + p.y })(p.y)",
     "normal(bilinear, p * 90.0).x + normal(|q| bicubic(q) + 3.0 * fbm(q / 40.0, 2), p * 90.0).y",
 ];
 
 const HELP: &str = "use terrain;
+    raster layer: f32;
+    raster colours: vec3;
+    @bake fn baked(p: vec2) -> f32 = layer(p) * p.x * 0.01;
+    fn choose(n: i32) -> fn(f32) -> f32 = if n > 2 { choose(n - 2) } else { [sin, |x| x * x, power(3, _)][n] };
     enum Shape { Circle(f32), Box(i32, f32), Nothing }
     struct Span(lo: f32, hi: f32);
     fn width(s: Span) -> f32 = s.hi - s.lo;
@@ -81,10 +93,20 @@ const HELP: &str = "use terrain;
 ";
 
 fn scene() -> Scene {
-    let height = |i: u32| (i.wrapping_mul(2654435761) >> 20) as f32 * 0.01;
-    let terrain = Terrain::from_heights(10, 12, [10.0, 9.0], (0..120).map(height).collect()).unwrap();
+    let terrain = Terrain::from_heights(10, 12, [10.0, 9.0], (0..120).map(height_of).collect()).unwrap();
     let options = SceneOptions { view: View::overview(), size: (8, 8), ..SceneOptions::default() };
-    Scene::new(Arc::new(terrain), &options).unwrap()
+    let scene = Scene::new(Arc::new(terrain), &options).unwrap();
+    let mut layers = Layers::default();
+    for (slot, components, width, height) in [(0, 1, 7, 5), (1, 3, 4, 9)] {
+        let texels = Texels::Floats((0..width * height * components).map(|i| height_of(i + 7)).collect());
+        let raster = Raster::computed(width, height, components, texels);
+        layers.set(slot, Layer::placed(Arc::new(raster), scene.terrain()).unwrap());
+    }
+    scene.with_layers(layers)
+}
+
+fn height_of(i: u32) -> f32 {
+    (i.wrapping_mul(2654435761) >> 20) as f32 * 0.01
 }
 
 /// A number in [0.1, 0.9] for each place and axis.
@@ -184,5 +206,30 @@ fn a_planted_difference_is_found() {
     for body in BODIES {
         let (right, wrong) = compare(body, &format!("({body}) * 1.0001 + 0.0003 * (p.x - p.y)"));
         assert!(wrong > right, "{body}: {wrong} of {} noticed", wrong + right);
+    }
+}
+
+/// Every run tries others; `GHYLL_SEED` repeats a run.
+#[test]
+fn derivatives_of_random_functions_are_those_of_differences() {
+    let (seed, mut random) = bodies::random();
+    let (mut right, mut wrong) = (0, 0);
+    for _ in 0..RANDOM_BODIES {
+        let body = bodies::body(&mut random, 4);
+        let (found, failed) = compare(&body, &body);
+        assert!(failed * 10 <= found, "GHYLL_SEED={seed} {body}: wrong at {failed} places, right at {found}");
+        (right, wrong) = (right + found, wrong + failed);
+    }
+    assert!(right > RANDOM_BODIES * PLACES as usize / 2, "GHYLL_SEED={seed}: tried at {right} places only");
+    assert!(wrong * 200 <= right, "GHYLL_SEED={seed}: wrong at {wrong} places, right at {right}");
+}
+
+#[test]
+fn a_difference_planted_in_random_functions_is_found() {
+    let (seed, mut random) = bodies::random();
+    for _ in 0..10 {
+        let body = bodies::body(&mut random, 3);
+        let (right, wrong) = compare(&body, &format!("({body}) * 1.0001 + 0.0003 * (p.x - p.y)"));
+        assert!(wrong > right, "GHYLL_SEED={seed} {body}: {wrong} of {} noticed", wrong + right);
     }
 }

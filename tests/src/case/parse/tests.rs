@@ -140,3 +140,12 @@ fn what_is_not_understood_is_refused() {
         assert!(parse("topic", text).is_err(), "accepted: {text}");
     }
 }
+
+#[test]
+fn lines_are_repeated() {
+    let text = "//# case a\n//# repeat 3\n//# error at 1:1\nfn f#() = #;\nfn g() = 1;\n//# case b\n//# error at 1:1\n#\n";
+    let cases = parse("topic", text).unwrap();
+    assert_eq!(cases[0].program.text, "fn f0() = 0;\nfn f1() = 1;\nfn f2() = 2;\nfn g() = 1;\n");
+    assert_eq!(cases[1].program.text, "#\n");
+    assert!(parse("topic", "//# case a\n//# repeat often\n//# error at 1:1\nf\n").is_err());
+}

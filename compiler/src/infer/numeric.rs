@@ -99,7 +99,7 @@ impl Infer<'_, '_> {
                 self.result(result, left.0, span);
                 !self.table.is_unknown(result)
             }
-            Class::Literal | Class::Bool | Class::Error => self.result(result, left.0, span),
+            Class::Literal | Class::Bool | Class::IVec(_) | Class::Error => self.result(result, left.0, span),
             Class::Scalar(s) if s != Ty::F32 => self.result(result, left.0, span),
             _ => {
                 self.no_operator(op, left, right, shown, span);
@@ -283,7 +283,7 @@ impl Infer<'_, '_> {
             (_, Class::Error) => true,
             (UnaryOp::Neg, Class::Scalar(s)) => s != Ty::U32,
             (UnaryOp::Neg, Class::Vec(_) | Class::IVec(_) | Class::Mat(_)) => true,
-            (UnaryOp::Not, Class::Bool) => true,
+            (UnaryOp::Not, Class::Bool | Class::IVec(_)) => true,
             (UnaryOp::Not, Class::Scalar(s)) => s != Ty::F32,
             _ => false,
         };

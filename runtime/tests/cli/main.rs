@@ -2,6 +2,7 @@
 
 mod bakes;
 mod machine;
+mod manual;
 mod maps;
 mod options;
 mod params;

@@ -46,7 +46,10 @@ fn answering(value: &str) -> Planted {
 }
 
 fn case(header: &str) -> Case {
-    parse("topic", &format!("//# case a\n{header}\nfn main() -> i32 = 1;\n")).expect(header).remove(0)
+    let text = format!("//# case a\n{header}\nfn main() -> i32 = 1;\n");
+    let mut cases = parse("topic", &text).expect(header);
+    Mode::in_turn(&mut cases, false);
+    cases.remove(0)
 }
 
 fn program_verdict(header: &str, backend: &Planted) -> Result<(), String> {

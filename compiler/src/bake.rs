@@ -4,6 +4,7 @@
 //! So bakes can always be put in an order in which each reads earlier ones only.
 
 use crate::back::{self, Back};
+use crate::codes;
 use crate::core::{self, Atom, Const, Op, Program};
 use crate::diagnostic::Diagnostic;
 use crate::front::walk::walk;
@@ -28,17 +29,32 @@ pub struct Bake {
 /// The marked functions of a module with their slots among the layers, behind the rasters.
 pub struct Plan {
     slots: BTreeMap<FunctionId, u32>,
-    /// Every function that each of them may lead to.
+    /// Every function that each of those that are needed may lead to.
     reached: BTreeMap<FunctionId, BTreeSet<FunctionId>>,
 }
 
 impl Plan {
-    pub fn new(module: &Module, settings: &Settings) -> Plan {
+    /// For what `entry` may lead to.
+    pub fn new(module: &Module, settings: &Settings, entry: FunctionId) -> Plan {
         let ids = (0..module.functions.len() as u32).map(FunctionId);
         let marked = ids.filter(|id| module.functions[id.0 as usize].attributes.bake);
         let slots: BTreeMap<_, _> = marked.zip(module.rasters.len() as u32..).collect();
-        let reached = slots.keys().map(|id| (*id, reached(module, settings, *id))).collect();
+        let mut needed = reached(module, settings, entry);
+        needed.insert(entry);
+        let needed = slots.keys().filter(|id| needed.contains(id)).take(MOST_BAKES + 1);
+        let reached = needed.map(|id| (*id, reached(module, settings, *id))).collect();
         Plan { slots, reached }
+    }
+
+    /// A bake is a pass of its own over the field, and a layer that is kept.
+    fn within_limits(&self, module: &Module) -> Result<(), Vec<Diagnostic>> {
+        let Some((id, _)) = self.reached.iter().nth(MOST_BAKES) else { return Ok(()) };
+        Err(vec![too_much(
+            module,
+            *id,
+            "too many functions are baked",
+            "leave `@bake` away where a call is cheap",
+        )])
     }
 
     /// The function of a slot; none for a raster's.
@@ -48,9 +64,23 @@ impl Plan {
 
     /// What `function` reads from layers instead of calling it.
     pub fn read_by(&self, function: FunctionId) -> BTreeMap<FunctionId, u32> {
-        let apart = |id: &FunctionId| *id != function && !self.reached[id].contains(&function);
-        self.slots.iter().filter(|(id, _)| apart(id)).map(|(id, slot)| (*id, *slot)).collect()
+        let leads_back = |(id, reached): &(&FunctionId, &BTreeSet<FunctionId>)| {
+            **id == function || reached.contains(&function)
+        };
+        self.reached.iter().filter(|bake| !leads_back(bake)).map(|(id, _)| (*id, self.slots[id])).collect()
     }
+}
+
+/// Bakes that one entry may need.
+const MOST_BAKES: usize = 256;
+/// Statements of all programs that an entry's bakes are: they may share most of their functions.
+const MOST_STATEMENTS: usize = 400_000;
+
+fn too_much(module: &Module, id: FunctionId, title: &str, help: &str) -> Diagnostic {
+    let function = &module.functions[id.0 as usize];
+    Diagnostic::error(codes::TOO_MUCH_CODE, function.span, title)
+        .label(format!("up to `{}`", function.name))
+        .help(help)
 }
 
 /// Functions that `from` may call, directly or not, whatever its arguments are.
@@ -86,24 +116,44 @@ pub(crate) fn backs(
     bake: bool,
 ) -> Result<(Back, Vec<Bake>), Vec<Diagnostic>> {
     if !bake {
-        return Ok((back::back(lower::lower(module, entry, asked, settings)?), Vec::new()));
+        let back = back::back(lower::lower(module, entry, asked, settings)?);
+        return within_tokens(module, entry, back).map(|back| (back, Vec::new()));
     }
-    let plan = Plan::new(module, settings);
+    let plan = Plan::new(module, settings, entry);
+    plan.within_limits(module)?;
     let settings_of = |id| Settings { baked: plan.read_by(id), ..settings.clone() };
     let back = back::back(lower::lower(module, entry, asked, &settings_of(entry))?);
+    let back = within_tokens(module, entry, back)?;
     let mut bakes: BTreeMap<u32, Bake> = BTreeMap::new();
     let mut pending: Vec<u32> = slots(&back.core).into_iter().collect();
+    let mut statements = 0;
     while let Some(slot) = pending.pop() {
         let Some(function) = plan.function(slot).filter(|_| !bakes.contains_key(&slot)) else { continue };
         let program = lower::lower(module, function, Asked::ForSamples, &settings_of(function))?;
+        statements += program.statements();
+        if statements > MOST_STATEMENTS {
+            let help = "bake the part that they share";
+            return Err(vec![too_much(module, function, "the baked functions are too large together", help)]);
+        }
         let components = program.functions[0].results.len() as u32;
-        let back = back::back(program);
+        let back = within_tokens(module, function, back::back(program))?;
         let reads = slots(&back.core);
         pending.extend(&reads);
         bakes.insert(slot, Bake { function, slot, components, reads, back });
     }
     Ok((back, in_order(bakes)))
 }
+
+/// A token holds the number of its task, and the number of literals before it, in 16 bits each.
+fn within_tokens(module: &Module, id: FunctionId, back: Back) -> Result<Back, Vec<Diagnostic>> {
+    if back.table.tasks.len() < MOST_TASKS && back.table.longest_emission() as usize <= MOST_TASKS {
+        return Ok(back);
+    }
+    let help = "pass fewer words, and leave `@task` away where it is not needed";
+    Err(vec![too_much(module, id, "the program has too many tasks, or tasks of too many words", help)])
+}
+
+const MOST_TASKS: usize = 0xffff;
 
 /// Bakes behind all that they read.
 fn in_order(mut bakes: BTreeMap<u32, Bake>) -> Vec<Bake> {
@@ -155,7 +205,7 @@ mod tests {
             fn pixel(p: vec2) -> f32 = a(p) + c(p);
         ";
         let module = check(Source::new("test", text)).unwrap_or_else(|e| panic!("{e:?}")).module;
-        let plan = Plan::new(&module, &Settings::default());
+        let plan = Plan::new(&module, &Settings::default(), module.function("pixel").unwrap());
         assert_eq!(names(&module, &plan, "pixel"), ["a", "b", "c"]);
         assert_eq!(names(&module, &plan, "a"), ["b", "c"]);
         assert!(names(&module, &plan, "b").is_empty() && names(&module, &plan, "c").is_empty());

@@ -230,14 +230,22 @@ fn number(expr: &crate::typed::Expr) -> Option<f64> {
 pub fn reach(checked: &Checked, options: &Options) -> Result<Vec<Diagnostic>, CompileError> {
     let module = &checked.module;
     let settings = settings(module, options)?;
-    let (entries, mut found) = match &options.entry {
+    let asked = match &options.entry {
         Some(_) => (vec![entry::find(checked, options)?.0], Vec::new()),
         None => entry::asked_for(module),
     };
+    Ok(on_large_stack(|| reach_all(module, &settings, asked)))
+}
+
+fn reach_all(
+    module: &Module,
+    settings: &Settings,
+    (entries, mut found): (Vec<FunctionId>, Vec<Diagnostic>),
+) -> Vec<Diagnostic> {
     let mut lowered = 0;
     for entry in entries {
-        match on_large_stack(|| lower::lower(module, entry, Asked::Plainly, &settings)) {
-            Ok(program) => lowered += program.functions.len(),
+        match lower::lower(module, entry, Asked::Plainly, settings) {
+            Ok(program) => lowered += program.statements(),
             Err(diagnostics) => {
                 lowered += 1;
                 for diagnostic in diagnostics {
@@ -251,8 +259,8 @@ pub fn reach(checked: &Checked, options: &Options) -> Result<Vec<Diagnostic>, Co
             break;
         }
     }
-    Ok(found)
+    found
 }
 
-/// Functions after which no further entry is tried: entries may share most of a large program.
-const MOST_LOWERED: usize = 20_000;
+/// Statements after which no further entry is tried: entries may share most of a large program.
+const MOST_LOWERED: usize = 400_000;

@@ -11,6 +11,7 @@
 //! - Enum payloads that carry different scalars in different variants are `U32` words (`Bitcast`).
 
 pub mod graph;
+pub mod names;
 pub mod parse;
 pub mod prims;
 pub mod print;
@@ -160,7 +161,7 @@ pub enum Prim {
     BitcastF32,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Op {
     /// One result.
     Prim(Prim, Scalar, Vec<Atom>),
@@ -173,7 +174,7 @@ pub enum Op {
     Loop(Loop),
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Loop {
     /// State variables with their first values.
     pub state: Vec<(Var, Atom)>,
@@ -225,13 +226,13 @@ pub enum LoopKind {
     All,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Stmt {
     pub dst: Vec<Var>,
     pub op: Op,
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Block {
     pub stmts: Vec<Stmt>,
     pub results: Vec<Atom>,
@@ -282,4 +283,11 @@ pub struct Program {
     pub entry: u32,
     /// Changeable parameters (`--live`), name and scalars. [`Op::Live`] counts their words.
     pub live: Vec<(String, Vec<Scalar>)>,
+}
+
+impl Program {
+    /// Statements of all functions, each function counted as one more.
+    pub fn statements(&self) -> usize {
+        self.functions.iter().map(|f| 1 + walk::size(&f.body.stmts)).sum()
+    }
 }

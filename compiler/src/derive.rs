@@ -24,6 +24,7 @@ mod transform;
 use std::collections::{HashMap, HashSet};
 
 use crate::codes;
+use crate::core::names::Names;
 use crate::core::walk::{calls, size};
 use crate::core::{FnId, Function};
 use crate::diagnostic::Diagnostic;
@@ -63,12 +64,12 @@ fn fill_by(
         activity: Activity::default(),
         derived: HashMap::new(),
         queue: Vec::new(),
-        names: HashSet::new(),
+        names: Names::default(),
         statements: 0,
         span: None,
         errors: Vec::new(),
     };
-    derive.names = derive.functions.iter().flatten().map(|f| f.name.clone()).collect();
+    derive.names = Names::of(derive.functions.iter().flatten());
     for request in requests {
         derive.request(request);
     }
@@ -88,7 +89,7 @@ struct Derive<'a> {
     derived: HashMap<Key, FnId>,
     /// Derived functions that are called but not written yet.
     queue: Vec<Key>,
-    names: HashSet<String>,
+    names: Names,
     statements: usize,
     /// The request that is being served.
     span: Option<Span>,
@@ -172,7 +173,7 @@ impl Derive<'_> {
     }
 
     fn fresh_name(&mut self, base: &str) -> String {
-        crate::split::lift::fresh_name(&mut self.names, base)
+        self.names.fresh(base)
     }
 
     fn error(&mut self, diagnostic: Diagnostic) {

@@ -5,7 +5,9 @@ mod chain;
 mod errors;
 mod mistakes;
 
+use std::cell::Cell;
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 use lalrpop_util::{ErrorRecovery, lalrpop_mod};
 
@@ -39,7 +41,8 @@ pub struct Parsed<T> {
 /// Parses a whole text.
 pub fn file(source: SourceId, text: &str) -> Parsed<File> {
     parse(source, text, |cx, lexemes| {
-        grammar::FileParser::new().parse(cx, lexemes.iter().map(|&l| Ok(l))).unwrap_or_else(|e| {
+        let lexemes = cx.until_given_up(lexemes);
+        grammar::FileParser::new().parse(cx, lexemes).unwrap_or_else(|e| {
             cx.syntax_error(e);
             Vec::new()
         })
@@ -49,7 +52,8 @@ pub fn file(source: SourceId, text: &str) -> Parsed<File> {
 /// Parses a text that is one expression.
 pub fn expression(source: SourceId, text: &str) -> Parsed<Expr> {
     parse(source, text, |cx, lexemes| {
-        grammar::ExprParser::new().parse(cx, lexemes.iter().map(|&l| Ok(l))).unwrap_or_else(|e| {
+        let lexemes = cx.until_given_up(lexemes);
+        grammar::ExprParser::new().parse(cx, lexemes).unwrap_or_else(|e| {
             cx.syntax_error(e);
             cx.expr(ExprKind::Error, 0, 0)
         })
@@ -60,6 +64,8 @@ pub fn expression(source: SourceId, text: &str) -> Parsed<Expr> {
 const MOST_REPAIRS: usize = 64;
 /// Lexemes that are read again for the sake of repairs.
 const MOST_READ: usize = 1 << 19;
+/// Places where parsing goes on after an error. Each costs far more than a lexeme that fits, and few of so many are told.
+const MOST_RECOVERIES: usize = 5_000;
 
 fn parse<T>(
     source: SourceId,
@@ -84,6 +90,8 @@ fn parse<T>(
             errors_at,
             missing: None,
             silent_to: 0,
+            recoveries: 0,
+            given_up: Rc::default(),
         };
         let tree = run(&mut cx, &lexemes);
         // What follows a missing semicolon is read as if it stood there.
@@ -137,6 +145,9 @@ pub struct Context<'s> {
     missing: Option<(usize, Diagnostic)>,
     /// Syntax errors before this lexeme follow from one that was told.
     silent_to: usize,
+    recoveries: usize,
+    /// There were too many errors: the rest of the text is not read.
+    given_up: Rc<Cell<bool>>,
 }
 
 /// A field of a constructor pattern.
@@ -148,6 +159,14 @@ pub enum Field {
 impl Context<'_> {
     pub fn span(&self, start: usize, end: usize) -> Span {
         Span::new(self.source, start, end.max(start))
+    }
+
+    fn until_given_up<'l, 's>(
+        &self,
+        lexemes: &'l [Spanned<'s>],
+    ) -> impl Iterator<Item = Result<Spanned<'s>, ()>> + use<'l, 's> {
+        let given_up = Rc::clone(&self.given_up);
+        lexemes.iter().take_while(move |_| !given_up.get()).map(|&lexeme| Ok(lexeme))
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {

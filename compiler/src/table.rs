@@ -23,7 +23,7 @@ pub enum Token<L> {
 /// Tokens that replace a call, in stream (post) order.
 pub type Emission = Vec<Token<Atom>>;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Tail {
     Emit(Emission),
     If(Atom, Box<TailBlock>, Box<TailBlock>),
@@ -32,14 +32,20 @@ pub enum Tail {
     Again(Vec<Atom>),
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct TailBlock {
     /// `Call` refers to [`Table::helpers`], never to a task.
     pub stmts: Vec<Stmt>,
     pub tail: Tail,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+impl Default for Tail {
+    fn default() -> Self {
+        Tail::Emit(Emission::new())
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Task {
     /// `fib`, or `fib.1` for its first continuation.
     pub name: String,

@@ -23,10 +23,10 @@ impl Graph {
         Graph { callees, bottom_up, recursive }
     }
 
-    /// Functions that `entry` reaches, itself included.
-    pub fn reached(&self, entry: usize) -> Vec<bool> {
+    /// Functions that these reach, themselves included.
+    pub fn reached(&self, from: impl IntoIterator<Item = usize>) -> Vec<bool> {
         let mut reached = vec![false; self.callees.len()];
-        let mut open = vec![entry];
+        let mut open: Vec<usize> = from.into_iter().collect();
         while let Some(f) = open.pop() {
             if !std::mem::replace(&mut reached[f], true) {
                 open.extend(&self.callees[f]);
@@ -37,7 +37,7 @@ impl Graph {
 }
 
 fn distinct(calls: Vec<FnId>) -> Vec<usize> {
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = rustc_hash::FxHashSet::default();
     calls.into_iter().map(|id| id.0 as usize).filter(|f| seen.insert(*f)).collect()
 }
 
@@ -136,7 +136,7 @@ mod tests {
         .expect("parses");
         let graph = Graph::new(&program.functions);
         assert_eq!(graph.recursive, [false, true, true, false, true]);
-        assert_eq!(graph.reached(0), [true, true, true, true, false]);
+        assert_eq!(graph.reached([0]), [true, true, true, true, false]);
         let place = |f: usize| graph.bottom_up.iter().position(|g| *g == f);
         assert!(place(3) < place(1) && place(1) < place(0) && place(2) < place(0));
     }

@@ -1,8 +1,6 @@
 //! Walks over core that every pass needs: uses, definitions, calls, renumbering.
 
-use std::collections::HashSet;
-
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Atom, Block, FnId, Function, Op, Scalar, Stmt, Var};
 
@@ -115,6 +113,14 @@ pub fn calls(stmts: &[Stmt]) -> Vec<FnId> {
     found
 }
 
+/// Is one of the functions called?
+pub fn calls_any(stmts: &[Stmt], wanted: &[bool]) -> bool {
+    stmts.iter().any(|stmt| match &stmt.op {
+        Op::Call(id, _) => wanted[id.0 as usize],
+        op => op.blocks().any(|block| calls_any(&block.stmts, wanted)),
+    })
+}
+
 pub fn map_calls(stmts: &mut [Stmt], map: &dyn Fn(FnId) -> FnId) {
     for stmt in stmts {
         if let Op::Call(id, _) = &mut stmt.op {
@@ -180,36 +186,62 @@ impl Free {
 }
 
 pub fn free_in_stmt(stmt: &Stmt) -> Vec<Var> {
+    // Nearly all statements are so short that no set is needed.
+    if let Op::Prim(_, _, args) = &stmt.op
+        && args.len() <= 4
+    {
+        let mut found = Vec::with_capacity(args.len());
+        for v in vars_of(args.iter().copied()) {
+            if !found.contains(&v) {
+                found.push(v);
+            }
+        }
+        return found;
+    }
     let mut free = Free::default();
     free.stmts(std::slice::from_ref(stmt));
     free.vars()
 }
 
-/// Does the statement use one of the variables?
-pub fn mentions(stmt: &Stmt, vars: &HashSet<Var>) -> bool {
-    let wanted = |a: Atom| matches!(a, Atom::Var(v) if vars.contains(&v));
-    let inside =
-        |b: &Block| b.results.iter().any(|a| wanted(*a)) || b.stmts.iter().any(|s| mentions(s, vars));
-    stmt.op.operands().any(wanted) || stmt.op.blocks().any(inside)
+/// Every variable that the statement uses, with repetitions and with those that it defines inside.
+pub fn uses(stmt: &Stmt, see: &mut impl FnMut(Var)) {
+    vars_of(stmt.op.operands()).for_each(&mut *see);
+    for block in stmt.op.blocks() {
+        block.stmts.iter().for_each(|inner| uses(inner, see));
+        vars_of(block.results.iter().copied()).for_each(&mut *see);
+    }
+}
+
+fn vars_of(atoms: impl Iterator<Item = Atom>) -> impl Iterator<Item = Var> {
+    atoms.filter_map(|a| match a {
+        Atom::Var(v) => Some(v),
+        Atom::Const(_) => None,
+    })
 }
 
 /// Copies statements into another variable space: definitions get new numbers, uses follow.
 pub struct Renumber<'a> {
-    /// What a variable of the old space has become.
-    pub map: VarMap<Atom>,
-    old: &'a [Scalar],
+    /// What a variable of the old space has become. A map, since what is copied may be a small part of its function.
+    pub map: FxHashMap<Var, Atom>,
+    /// None if it is the new one.
+    old: Option<&'a [Scalar]>,
     pub new: Vec<Scalar>,
 }
 
 impl<'a> Renumber<'a> {
-    /// From the space `old` to the space that `new` begins.
-    pub fn new(old: &'a [Scalar], new: Vec<Scalar>) -> Self {
-        Renumber { map: VarMap::new(), old, new }
+    /// From the space `old` to an empty one.
+    pub fn apart(old: &'a [Scalar]) -> Self {
+        Renumber { map: FxHashMap::default(), old: Some(old), new: Vec::new() }
+    }
+
+    /// To new variables of the same space.
+    pub fn within(space: Vec<Scalar>) -> Self {
+        Renumber { map: FxHashMap::default(), old: None, new: space }
     }
 
     pub fn define(&mut self, v: Var) -> Var {
         let fresh = Var(self.new.len() as u32);
-        self.new.push(self.old[v.0 as usize]);
+        self.new.push(self.old.unwrap_or(&self.new)[v.0 as usize]);
         self.map.insert(v, Atom::Var(fresh));
         fresh
     }
@@ -220,7 +252,7 @@ impl<'a> Renumber<'a> {
 
     pub fn atom(&self, atom: Atom) -> Atom {
         match atom {
-            Atom::Var(v) => self.map.get(v).unwrap_or(atom),
+            Atom::Var(v) => self.map.get(&v).copied().unwrap_or(atom),
             Atom::Const(_) => atom,
         }
     }

@@ -1,6 +1,8 @@
 //! What must hold of types that may not be known yet. A goal is tried until it is settled.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
+
+use rustc_hash::FxHashMap;
 
 use super::table::{Form, Ty};
 use super::{Infer, Want};
@@ -75,7 +77,7 @@ impl GoalKind {
 pub struct Goals {
     /// Nothing where a goal was settled.
     all: Vec<Option<Goal>>,
-    waiting: HashMap<Ty, Vec<usize>>,
+    waiting: FxHashMap<Ty, Vec<usize>>,
 }
 
 /// Rounds in which goals make guesses.

@@ -3,8 +3,8 @@
 //! A [`Ty`] is a handle. Types are graphs: `let b = (a, a)` shares `a`, so what walks a type remembers where
 //! it has been, and what would write one out asks for its size first.
 
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::RefCell;
-use std::collections::{HashMap, HashSet};
 
 use crate::resolve::size::MAX_NODES;
 use crate::source::Span;
@@ -81,7 +81,7 @@ pub struct Table {
     /// Variables that became something, or literals, since somebody asked.
     learned: Vec<Ty>,
     /// Sizes of types without variables.
-    ground: RefCell<HashMap<Ty, u64>>,
+    ground: RefCell<FxHashMap<Ty, u64>>,
     full: bool,
 }
 
@@ -193,7 +193,7 @@ impl Table {
 
     pub fn unify(&mut self, a: Ty, b: Ty) -> Result<(), Clash> {
         let mut work = vec![(a, b)];
-        let mut seen = HashSet::new();
+        let mut seen = FxHashSet::default();
         while let Some((a, b)) = work.pop() {
             let (a, b) = (self.root(a), self.root(b));
             if a == b {
@@ -268,7 +268,7 @@ impl Table {
     fn nodes_below(&self, ty: Ty, var: Option<Ty>) -> Option<u64> {
         /// Size, and whether variables occur.
         type Known = (u64, bool);
-        fn go(table: &Table, ty: Ty, var: Option<Ty>, memo: &mut HashMap<Ty, Known>) -> Option<Known> {
+        fn go(table: &Table, ty: Ty, var: Option<Ty>, memo: &mut FxHashMap<Ty, Known>) -> Option<Known> {
             let ty = table.root(ty);
             if Some(ty) == var {
                 return None;
@@ -295,7 +295,7 @@ impl Table {
             }
             Some((n, open))
         }
-        go(self, ty, var, &mut HashMap::new()).map(|(size, _)| size)
+        go(self, ty, var, &mut FxHashMap::default()).map(|(size, _)| size)
     }
 
     /// Makes an unknown type an error that nobody needs to hear about.
@@ -402,7 +402,7 @@ pub enum Unfinished {
 /// Queues the parts of two types, unless that pair was met before.
 fn push(
     work: &mut Vec<(Ty, Ty)>,
-    seen: &mut HashSet<(Ty, Ty)>,
+    seen: &mut FxHashSet<(Ty, Ty)>,
     pair: (Ty, Ty),
     xs: &[Ty],
     ys: &[Ty],

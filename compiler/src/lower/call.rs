@@ -107,7 +107,7 @@ impl<'m> Lower<'m> {
             },
             Closure::Builtin(builtin) => self.builtin(*builtin, at),
             Closure::Variant(tag) => Value::Variant(*tag, at.args),
-            Closure::Struct => Value::Group(at.args),
+            Closure::Struct => Value::Group(at.args.into()),
             Closure::Raster(id) => self.layer(id.0, &at.args[0], at.result),
             Closure::Derivative(f) => self.slope(f, at),
             Closure::Lambda(_) => self.invoke(Callee::Value(callee.clone()), at),

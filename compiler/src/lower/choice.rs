@@ -29,7 +29,7 @@ impl<'m> Lower<'m> {
         }
         if let (Value::Group(xs), Value::Group(ys)) = (a, b) {
             let types = layout::items(self.module, ty).expect("a group has a product type");
-            let parts = xs.iter().zip(ys).zip(&types);
+            let parts = xs.iter().zip(ys.iter()).zip(&types);
             return Value::Group(parts.map(|((x, y), t)| self.join(x, y, t)).collect());
         }
         let mut candidates: BTreeMap<Shape, Value<'m>> = BTreeMap::new();
@@ -63,7 +63,7 @@ impl<'m> Lower<'m> {
         match (a, b, ty) {
             (Value::Variant(tag, xs), Value::Variant(_, ys), Type::Enum(id, args)) => {
                 let types = layout::variants(self.module, *id, args).swap_remove(*tag as usize);
-                let parts = xs.iter().zip(ys).zip(&types);
+                let parts = xs.iter().zip(ys.iter()).zip(&types);
                 Value::Variant(*tag, parts.map(|((x, y), t)| self.join(x, y, t)).collect())
             }
             (Value::Function(f), Value::Function(g), _) => match (&**f, &**g) {
@@ -94,13 +94,13 @@ impl<'m> Lower<'m> {
             (_, Value::Choice(candidates, ..)) => self.choose(value, candidates, ty),
             (Value::Group(xs), Value::Group(ys)) => {
                 let types = layout::items(self.module, ty).expect("a group has a product type");
-                let parts = xs.iter().zip(ys).zip(&types);
+                let parts = xs.iter().zip(ys.iter()).zip(&types);
                 Value::Group(parts.map(|((x, y), t)| self.coerce(x, y, t)).collect())
             }
             (Value::Variant(tag, xs), Value::Variant(_, ys)) => {
                 let Type::Enum(id, args) = ty else { unreachable!("a variant has an enum type") };
                 let types = layout::variants(self.module, *id, args).swap_remove(*tag as usize);
-                let parts = xs.iter().zip(ys).zip(&types);
+                let parts = xs.iter().zip(ys.iter()).zip(&types);
                 Value::Variant(*tag, parts.map(|((x, y), t)| self.coerce(x, y, t)).collect())
             }
             (Value::Function(f), Value::Function(g)) => match (&**f, &**g) {

@@ -48,7 +48,7 @@ impl<'m> Lower<'m> {
                 for (field, value) in updates {
                     items[*field as usize] = self.expr(value, env);
                 }
-                Value::Group(items)
+                Value::Group(items.into())
             }
             ExprKind::Variant(_, tag, fields) => {
                 Value::Variant(*tag, fields.iter().map(|e| self.expr(e, env)).collect())
@@ -58,7 +58,7 @@ impl<'m> Lower<'m> {
                 let base = self.expr(base, env);
                 let mut picked: Vec<Value> =
                     parts.iter().map(|c| base.items()[*c as usize].clone()).collect();
-                if picked.len() == 1 { picked.swap_remove(0) } else { Value::Group(picked) }
+                if picked.len() == 1 { picked.swap_remove(0) } else { Value::Group(picked.into()) }
             }
             ExprKind::Index(base, index) => self.index(expr, base, index, env),
             ExprKind::If(cond, yes, no) => {
@@ -171,7 +171,7 @@ impl<'m> Lower<'m> {
     pub(super) fn zip(&mut self, prim: Prim, a: &Value<'m>, b: &Value<'m>) -> Value<'m> {
         match (a, b) {
             (Value::Group(xs), Value::Group(ys)) => {
-                Value::Group(xs.iter().zip(ys).map(|(x, y)| self.zip(prim, x, y)).collect())
+                Value::Group(xs.iter().zip(ys.iter()).map(|(x, y)| self.zip(prim, x, y)).collect())
             }
             (Value::Group(xs), y) => Value::Group(xs.iter().map(|x| self.zip(prim, x, y)).collect()),
             (x, Value::Group(ys)) => Value::Group(ys.iter().map(|y| self.zip(prim, x, y)).collect()),
@@ -217,7 +217,8 @@ impl<'m> Lower<'m> {
                 let fields_a = self.unpack(*id, args, tag, &pa);
                 let fields_b = self.unpack(*id, args, tag, &pb);
                 let group = Type::Tuple(variants[tag as usize].clone());
-                let same = self.equal(&Value::Group(fields_a), &Value::Group(fields_b), &group).atom();
+                let same =
+                    self.equal(&Value::Group(fields_a.into()), &Value::Group(fields_b.into()), &group).atom();
                 let tag_atom = Atom::Const(Const::I32(tag as i32));
                 let other = self.prim(Prim::Ne, Scalar::I32, vec![ta, tag_atom]);
                 xs.push(self.prim(Prim::Or, Scalar::Bool, vec![other, same]));
@@ -270,10 +271,9 @@ impl<'m> Lower<'m> {
         if let Atom::Const(Const::Bool(known)) = cond {
             return if known { yes(self, env) } else { no(self, env) };
         }
-        let mut inner = env.clone();
-        let yes = self.block(|l| yes(l, &mut inner));
-        let mut inner = env.clone();
-        let no = self.block(|l| no(l, &mut inner));
+        // Names of one side mean nothing on the other: every local has an id of its own.
+        let yes = self.block(|l| yes(l, env));
+        let no = self.block(|l| no(l, env));
         self.meet(cond, ty, span, yes, no)
     }
 

@@ -8,6 +8,9 @@ use crate::source::Span;
 use crate::typed::{Arm, Expr, LocalId, Pattern, PatternKind, Type};
 use std::collections::BTreeMap;
 
+/// Arms that become branches in each other; more are numbered.
+const MOST_NESTED: usize = 24;
+
 impl<'m> Lower<'m> {
     pub(super) fn matching(
         &mut self,
@@ -21,7 +24,99 @@ impl<'m> Lower<'m> {
         if has_never(&value) {
             return self.placeholder(&env.ty(&expr.ty));
         }
-        self.arms(expr, &value, &scrutinee_type, arms, env)
+        match arms.len() <= MOST_NESTED {
+            true => self.arms(expr, &value, &scrutinee_type, arms, env),
+            false => self.many_arms(expr, &value, &scrutinee_type, arms, env),
+        }
+    }
+
+    /// Finds the number of the arm that fits, then branches over the numbers, so that branches nest little.
+    fn many_arms(
+        &mut self,
+        expr: &'m Expr,
+        value: &Value<'m>,
+        value_type: &Type,
+        arms: &'m [Arm],
+        env: &mut Env<'m>,
+    ) -> Value<'m> {
+        let mut possible: Vec<(&'m Arm, Atom)> = Vec::new();
+        for arm in arms {
+            let fits = self.test(&arm.pattern, value, value_type);
+            if fits != FALSE {
+                possible.push((arm, fits));
+            }
+            if fits == TRUE && arm.guard.is_none() {
+                break;
+            }
+        }
+        // No arm fits a value that holds one which never comes.
+        if possible.is_empty() {
+            possible.extend(arms.last().map(|arm| (arm, TRUE)));
+        }
+        let last = possible.len() - 1;
+        let number = |at: usize| Atom::Const(Const::I32(at as i32));
+        let mut found = number(last);
+        if possible.iter().all(|(arm, _)| arm.guard.is_none()) {
+            for (at, (_, fits)) in possible[..last].iter().enumerate().rev() {
+                found = self.pick_atom(*fits, number(at), found);
+            }
+        } else {
+            // A guard is evaluated only where no arm before fits.
+            let mut open = TRUE;
+            for (at, (arm, fits)) in possible[..last].iter().enumerate() {
+                let mut cond = self.prim(Prim::And, Scalar::Bool, vec![*fits, open]);
+                if let Some(guard) = &arm.guard {
+                    cond = self.guarded(cond, arm, guard, value, value_type, env);
+                }
+                found = self.pick_atom(cond, number(at), found);
+                let other = self.prim(Prim::Not, Scalar::Bool, vec![cond]);
+                open = self.prim(Prim::And, Scalar::Bool, vec![open, other]);
+            }
+        }
+        let arms: Vec<&Arm> = possible.into_iter().map(|(arm, _)| arm).collect();
+        self.numbered(expr, (value, value_type), (0, &arms), found, env)
+    }
+
+    /// The arm with this number, the first one having the number `first`.
+    fn numbered(
+        &mut self,
+        expr: &'m Expr,
+        (value, value_type): (&Value<'m>, &Type),
+        (first, arms): (usize, &[&'m Arm]),
+        number: Atom,
+        env: &mut Env<'m>,
+    ) -> Value<'m> {
+        if let [arm] = arms {
+            self.bind(&arm.pattern, value, value_type, env);
+            return self.expr(&arm.value, env);
+        }
+        let (low, high) = arms.split_at(arms.len() / 2);
+        let middle = first + low.len();
+        let is_low = vec![number, Atom::Const(Const::I32(middle as i32))];
+        let is_low = self.prim(Prim::Lt, Scalar::I32, is_low);
+        let ty = env.ty(&expr.ty);
+        let of = (value, value_type);
+        let lower = |l: &mut Self, env: &mut Env<'m>| l.numbered(expr, of, (first, low), number, env);
+        let upper = |l: &mut Self, env: &mut Env<'m>| l.numbered(expr, of, (middle, high), number, env);
+        self.branch(is_low, &ty, expr.span, env, lower, upper)
+    }
+
+    /// Does the value fit (`fits`) and the guard hold, which sees the pattern's names?
+    fn guarded(
+        &mut self,
+        fits: Atom,
+        arm: &'m Arm,
+        guard: &'m Expr,
+        value: &Value<'m>,
+        value_type: &Type,
+        env: &mut Env<'m>,
+    ) -> Atom {
+        let with_names = |l: &mut Self, env: &mut Env<'m>| {
+            l.bind(&arm.pattern, value, value_type, env);
+            l.expr(guard, env)
+        };
+        let never = Value::constant(Const::Bool(false));
+        self.branch(fits, &Type::Bool, guard.span, env, with_names, |_, _| never).atom()
     }
 
     fn arms(
@@ -35,32 +130,24 @@ impl<'m> Lower<'m> {
         let (arm, rest) = arms.split_first().expect("the front end checked that the arms are exhaustive");
         let fits = self.test(&arm.pattern, value, value_type);
         if rest.is_empty() || fits == TRUE && arm.guard.is_none() {
-            let mut inner = env.clone();
-            self.bind(&arm.pattern, value, value_type, &mut inner);
-            return self.expr(&arm.value, &mut inner);
+            self.bind(&arm.pattern, value, value_type, env);
+            return self.expr(&arm.value, env);
         }
         if fits == FALSE {
             return self.arms(expr, value, value_type, rest, env);
         }
 
-        // With a guard the condition is `fits && guard`, the guard seeing the pattern's names.
-        let mut cond = fits;
-        if let Some(guard) = &arm.guard {
-            let never = Value::constant(Const::Bool(false));
-            let with_names = |l: &mut Self, env: &mut Env<'m>| {
-                l.bind(&arm.pattern, value, value_type, env);
-                l.expr(guard, env)
-            };
-            cond =
-                self.branch(fits, &Type::Bool, guard.span, &mut env.clone(), with_names, |_, _| never).atom();
-        }
+        let cond = match &arm.guard {
+            Some(guard) => self.guarded(fits, arm, guard, value, value_type, env),
+            None => fits,
+        };
         let ty = env.ty(&expr.ty);
         let taken = |l: &mut Self, env: &mut Env<'m>| {
             l.bind(&arm.pattern, value, value_type, env);
             l.expr(&arm.value, env)
         };
         let others = |l: &mut Self, env: &mut Env<'m>| l.arms(expr, value, value_type, rest, env);
-        self.branch(cond, &ty, expr.span, &mut env.clone(), taken, others)
+        self.branch(cond, &ty, expr.span, env, taken, others)
     }
 
     /// A Bool atom: does `value` fit?
@@ -201,8 +288,11 @@ impl<'m> Lower<'m> {
     }
 
     fn pick_atom(&mut self, cond: Atom, yes: Atom, no: Atom) -> Atom {
-        if yes == no {
-            return yes;
+        match cond {
+            _ if yes == no => return yes,
+            TRUE => return yes,
+            FALSE => return no,
+            _ => {}
         }
         let scalar = self.scalar_of(yes);
         self.emit(Op::Prim(Prim::Select, scalar, vec![no, yes, cond]), &[scalar])[0]

@@ -263,7 +263,7 @@ impl<'m> Lower<'m> {
 
     /// Appends an operation; its results are new variables.
     fn emit(&mut self, op: Op, results: &[Scalar]) -> Vec<Atom> {
-        let words = results.len() + if let Op::Call(_, args) = &op { args.len() } else { 0 };
+        let words = results.len() + op.operands().count();
         self.spend(1 + words / WORDS_OF_A_STATEMENT);
         let dst: Vec<Var> = results.iter().map(|s| self.builder.fresh(*s)).collect();
         let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();

@@ -9,8 +9,8 @@ use std::rc::Rc;
 #[derive(Clone, Debug)]
 pub enum Value<'m> {
     Atom(Atom),
-    /// Vector, matrix, tuple, struct or array.
-    Group(Vec<Value<'m>>),
+    /// Vector, matrix, tuple, struct or array. Shared, because every mention of a name takes one.
+    Group(Rc<[Value<'m>]>),
     /// An enum whose variant only the machine knows: tag and payload words.
     Enum(Atom, Vec<Atom>),
     /// An enum whose variant is known now.

@@ -4,7 +4,7 @@
 //! It is optimistic: everything is unneeded until the entry's results come to need it, which also finds loop state
 //! and recursive parameters that only keep themselves alive.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::core::graph::Graph;
 use crate::core::walk::{self, VarMap, map_calls, statements};
@@ -12,7 +12,7 @@ use crate::core::{Atom, Block, FnId, Function, Op, Program, Stmt, Var};
 
 /// Removes functions that the entry does not reach.
 pub fn unreachable(program: &mut Program) {
-    let reached = Graph::new(&program.functions).reached(program.entry as usize);
+    let reached = Graph::new(&program.functions).reached([program.entry as usize]);
     let mut number = FxHashMap::default();
     for (f, reached) in reached.iter().enumerate() {
         if *reached {
@@ -76,6 +76,8 @@ struct Mark<'a> {
     open: Vec<Value>,
     /// Calls that are needed, by callee: caller and arguments.
     calls: Vec<Vec<(usize, &'a [Atom])>>,
+    /// The same calls, to meet each once whatever number of its results is needed.
+    called: FxHashSet<*const Stmt>,
 }
 
 impl Needs {
@@ -88,7 +90,8 @@ impl Needs {
         };
         let definitions = functions.iter().map(definitions).collect();
         let calls = vec![Vec::new(); functions.len()];
-        let mut mark = Mark { functions, definitions, needs, open: Vec::new(), calls };
+        let called = FxHashSet::default();
+        let mut mark = Mark { functions, definitions, needs, open: Vec::new(), calls, called };
         // The entry keeps its parameters, so calls of it must pass them.
         let entry = program.entry as usize;
         mark.needs.params[entry].fill(true);
@@ -156,7 +159,12 @@ impl<'a> Mark<'a> {
         match &stmt.op {
             Op::Prim(_, _, args) | Op::Intrinsic(_, args) => self.atoms(f, args),
             Op::Live(_) => {}
-            Op::Call(id, args) => self.call(f, id.0 as usize, args, i),
+            Op::Call(id, args) => {
+                self.result(id.0 as usize, i);
+                if self.called.insert(stmt) {
+                    self.call(f, id.0 as usize, args);
+                }
+            }
             Op::If(cond, yes, no) => {
                 self.atom(f, *cond);
                 self.atom(f, yes.results[i]);
@@ -176,8 +184,7 @@ impl<'a> Mark<'a> {
         }
     }
 
-    fn call(&mut self, caller: usize, callee: usize, args: &'a [Atom], result: usize) {
-        self.result(callee, result);
+    fn call(&mut self, caller: usize, callee: usize, args: &'a [Atom]) {
         self.calls[callee].push((caller, args));
         for (i, arg) in args.iter().enumerate() {
             if self.needs.params[callee][i] {

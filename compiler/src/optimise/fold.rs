@@ -177,7 +177,8 @@ impl Folder {
         // A result that is the same in both branches is no result, and logic is an operation.
         let mut open: Vec<usize> = Vec::new();
         for (i, v) in dst.iter().enumerate() {
-            if yes.results[i] == no.results[i] && is_outside(yes.results[i], &yes) {
+            // It can only come from outside, variables being unique.
+            if yes.results[i] == no.results[i] {
                 self.learn(&[*v], &[yes.results[i]]);
             } else {
                 open.push(i);
@@ -262,14 +263,6 @@ enum Simpler {
     Atom(Atom),
     Prim(Prim, Scalar, Vec<Atom>),
     No,
-}
-
-/// Is the atom defined outside the block? (Results equal in both branches can only be, variables being unique.)
-fn is_outside(atom: Atom, block: &Block) -> bool {
-    match atom {
-        Atom::Const(_) => true,
-        Atom::Var(v) => !block.stmts.iter().any(|s| s.dst.contains(&v)),
-    }
 }
 
 /// The condition is false for the first state, by constants alone.

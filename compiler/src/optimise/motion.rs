@@ -7,7 +7,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::core::walk::{Free, free_in_stmt};
+use crate::core::walk::{Free, calls_any, free_in_stmt};
 use crate::core::{Atom, Block, Function, Op, Prim, Program, Stmt, Var};
 use crate::split::tasks;
 
@@ -60,7 +60,7 @@ fn target(stmt: &Stmt, sites: &FxHashMap<Var, Site>) -> Option<(usize, usize)> {
 }
 
 fn may_move(stmt: &Stmt, is_task: &[bool]) -> bool {
-    !crate::core::walk::calls(std::slice::from_ref(stmt)).iter().any(|id| is_task[id.0 as usize])
+    !calls_any(std::slice::from_ref(stmt), is_task)
 }
 
 fn note_uses(sites: &mut FxHashMap<Var, Site>, at: usize, stmt: &Stmt, target: Option<(usize, usize)>) {

@@ -4,10 +4,9 @@
 //! without a word (llvmpipe beyond 80 nested branches). A block that lies too deep becomes a task of its own, so
 //! that it is evaluated by another rewrite.
 
-use std::collections::HashSet;
-
 use crate::core::graph::Graph;
-use crate::core::walk::Free;
+use crate::core::names::Names;
+use crate::core::walk::{Free, Renumber, calls_any};
 use crate::core::{Atom, Block, FnId, Function, Mark, Op, Program, Stmt};
 use crate::split::tasks;
 
@@ -20,7 +19,7 @@ const LOOP: usize = 3;
 
 pub fn bound(program: &mut Program) {
     let is_task = tasks(program);
-    let names = program.functions.iter().map(|f| f.name.clone()).collect();
+    let names = Names::of(&program.functions);
     let heights = vec![0; program.functions.len()];
     let mut bounder = Bounder { heights, is_task, names, found: Vec::new() };
     for f in Graph::new(&program.functions).bottom_up {
@@ -40,14 +39,14 @@ struct Bounder {
     /// Nesting inside each function that is finished; 0 for tasks.
     heights: Vec<usize>,
     is_task: Vec<bool>,
-    names: HashSet<String>,
+    names: Names,
     /// New functions, whose indices follow those of the program.
     found: Vec<Function>,
 }
 
 impl Bounder {
     fn calls_task(&self, block: &Block) -> bool {
-        crate::core::walk::calls(&block.stmts).iter().any(|id| self.is_task[id.0 as usize])
+        calls_any(&block.stmts, &self.is_task)
     }
 
     /// Nesting below the block, after blocks that lie too deep were taken out.
@@ -75,12 +74,13 @@ impl Bounder {
         free.block(block);
         let params = free.vars();
         let results: Vec<_> = block.results.iter().map(|a| f.scalar(*a)).collect();
+        let mut renumber = Renumber::apart(&f.vars);
         let task = Function {
-            name: crate::split::lift::fresh_name(&mut self.names, &format!("{}.deep", f.name)),
-            params: params.clone(),
+            name: self.names.fresh(&format!("{}.deep", f.name)),
+            params: renumber.defines(&params),
             results: results.clone(),
-            vars: f.vars.clone(),
-            body: std::mem::take(block),
+            body: renumber.block(&std::mem::take(block)),
+            vars: renumber.new,
             mark: Mark::Task,
             span: f.span,
         };

@@ -3,6 +3,8 @@
 //!
 //! Functions marked `@task` keep their operands, since the source asks for that token.
 
+use std::collections::VecDeque;
+
 use crate::core::graph::Graph;
 use crate::core::walk::{VarMap, statements, substitute};
 use crate::core::{Atom, Const, Function, Mark, Op, Program};
@@ -25,8 +27,9 @@ pub fn parameters(program: &mut Program) {
             vec![if fixed { Known::Varies } else { Known::Nothing }; f.params.len()]
         })
         .collect();
-    // Callers first, so that most of it is learnt at once.
-    let order: Vec<usize> = Graph::new(&program.functions).bottom_up.into_iter().rev().collect();
+    // Callers first, so that most of it is learnt at once; a function is looked at again when more is known of it.
+    let mut open: VecDeque<usize> = Graph::new(&program.functions).bottom_up.into_iter().rev().collect();
+    let mut is_open = vec![true; program.functions.len()];
     let params: Vec<VarMap<usize>> = program
         .functions
         .iter()
@@ -36,39 +39,44 @@ pub fn parameters(program: &mut Program) {
             params
         })
         .collect();
-    while learn(&program.functions, &order, &params, &mut known) {}
+    while let Some(caller) = open.pop_front() {
+        is_open[caller] = false;
+        learn(&program.functions[caller], &params[caller], caller, &mut known, &mut |callee| {
+            if !std::mem::replace(&mut is_open[callee], true) {
+                open.push_back(callee);
+            }
+        });
+    }
     for (f, known) in program.functions.iter_mut().zip(&known) {
         replace(f, known);
     }
 }
 
-/// Looks at every call once more; whether anything was learnt.
+/// Looks at the calls in a function; tells of which functions something was learnt.
 fn learn(
-    functions: &[Function],
-    order: &[usize],
-    params: &[VarMap<usize>],
+    function: &Function,
+    params: &VarMap<usize>,
+    caller: usize,
     known: &mut [Vec<Known>],
-) -> bool {
-    let mut learnt = false;
-    for &caller in order {
-        statements(&functions[caller].body.stmts, &mut |stmt| {
-            let Op::Call(id, args) = &stmt.op else { return };
-            for (i, arg) in args.iter().enumerate() {
-                let value = match arg {
-                    Atom::Const(c) => Known::Const(*c),
-                    Atom::Var(v) => match params[caller].get(*v) {
-                        Some(param) => known[caller][param],
-                        None => Known::Varies,
-                    },
-                };
-                let before = &mut known[id.0 as usize][i];
-                let after = meet(*before, value);
-                learnt |= after != *before;
-                *before = after;
+    learnt: &mut dyn FnMut(usize),
+) {
+    statements(&function.body.stmts, &mut |stmt| {
+        let Op::Call(id, args) = &stmt.op else { return };
+        let callee = id.0 as usize;
+        for (i, arg) in args.iter().enumerate() {
+            let value = match arg {
+                Atom::Const(c) => Known::Const(*c),
+                Atom::Var(v) => match params.get(*v) {
+                    Some(param) => known[caller][param],
+                    None => Known::Varies,
+                },
+            };
+            let after = meet(known[callee][i], value);
+            if std::mem::replace(&mut known[callee][i], after) != after {
+                learnt(callee);
             }
-        });
-    }
-    learnt
+        }
+    });
 }
 
 fn meet(a: Known, b: Known) -> Known {

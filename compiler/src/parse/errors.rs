@@ -2,7 +2,7 @@
 
 use lalrpop_util::ParseError;
 
-use super::Context;
+use super::{Context, MOST_RECOVERIES};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Lexeme;
@@ -51,6 +51,11 @@ const COVERED: &[(&str, &[&str])] = &[
 
 impl Context<'_> {
     pub(super) fn syntax_error(&mut self, error: ParseError<usize, Lexeme, ()>) {
+        if self.given_up.get() {
+            return;
+        }
+        self.recoveries += 1;
+        self.given_up.set(self.recoveries > MOST_RECOVERIES);
         let found_at = match &error {
             ParseError::UnrecognizedToken { token: (start, _, _), .. } => *start,
             _ => self.text_end,

@@ -9,6 +9,8 @@ use crate::typed::{Module, Type};
 pub const MAX_WORDS: u64 = 4096;
 /// Most nodes of one type written out.
 pub const MAX_NODES: u64 = 10_000;
+/// Most nodes of all types that are remembered; what goes beyond counts as too large.
+const MOST_REMEMBERED: u64 = 4_000_000;
 
 /// Nodes of a type after its parameters are replaced.
 pub fn substituted_nodes(ty: &Type, args: &[Type]) -> u64 {
@@ -30,7 +32,11 @@ fn count(ty: &Type, args: &[u64]) -> u64 {
 
 /// Stream words of types, remembered.
 #[derive(Default)]
-pub struct Sizes(HashMap<Type, u64>);
+pub struct Sizes {
+    known: HashMap<Type, u64>,
+    /// Nodes of what is known.
+    nodes: u64,
+}
 
 impl Sizes {
     pub fn fits(&mut self, module: &Module, ty: &Type) -> bool {
@@ -45,11 +51,13 @@ impl Sizes {
             Type::Mat(n) => u64::from(*n) * u64::from(*n),
             Type::Array(item, n) => self.words(module, item).saturating_mul(u64::from(*n)),
             Type::Tuple(items) => self.sum(module, items, &[]),
-            Type::Struct(..) | Type::Enum(..) => match self.0.get(ty) {
+            Type::Struct(..) | Type::Enum(..) => match self.known.get(ty) {
                 Some(words) => *words,
+                None if self.nodes > MOST_REMEMBERED => u64::MAX,
                 None => {
+                    self.nodes += count(ty, &[]);
                     let words = self.named(module, ty);
-                    self.0.insert(ty.clone(), words);
+                    self.known.insert(ty.clone(), words);
                     words
                 }
             },

@@ -1,11 +1,14 @@
 //! Drafts to table: merges equal continuations, keeps what is reached, numbers and names it.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::VecDeque;
+use std::hash::{Hash, Hasher};
+
+use rustc_hash::{FxHashMap, FxHashSet, FxHasher};
 
 use super::body::Draft;
-use super::lift::fresh_name;
 use super::live::copy;
 use crate::core::graph::Graph;
+use crate::core::names::Names;
 use crate::core::walk::{Renumber, calls, compact, map_calls};
 use crate::core::{FnId, Function};
 use crate::table::{Emission, Table, Tail, TailBlock, Task, TaskId, Token};
@@ -19,11 +22,11 @@ pub fn table(drafts: Vec<Draft>, functions: &[Function]) -> (Table, TaskId) {
     let order = reached(&tasks);
     name(&mut tasks, &order, &is_root, &owners, functions);
 
-    let number: HashMap<_, _> =
+    let number: FxHashMap<_, _> =
         order.iter().enumerate().map(|(i, draft)| (*draft, TaskId(i as u32))).collect();
     let mut table = Table::default();
     for draft in order {
-        let mut task = tasks[draft].clone();
+        let mut task = std::mem::take(&mut tasks[draft]);
         map_tasks(&mut task.body, &|id| number[&(id.0 as usize)]);
         table.tasks.push(task);
     }
@@ -34,7 +37,7 @@ pub fn table(drafts: Vec<Draft>, functions: &[Function]) -> (Table, TaskId) {
 /// With variables numbered in the order of definition, so that equal bodies are equal data.
 fn task(draft: Draft, functions: &[Function]) -> Task {
     let function = &functions[draft.function];
-    let mut renumber = Renumber::new(&function.vars, Vec::new());
+    let mut renumber = Renumber::apart(&function.vars);
     let params = renumber.defines(&draft.params);
     let body = copy(&mut renumber, &draft.body);
     let source = function.name.split('.').next().unwrap_or_default();
@@ -69,36 +72,52 @@ fn map_tasks(body: &mut TailBlock, map: &dyn Fn(TaskId) -> TaskId) {
     }
 }
 
-/// Sends all tokens of continuations that are equal to the first of them, until no two are.
+/// Sends all tokens of continuations that are equal to the first of them, until no two are. A continuation comes before
+/// those that name it, so one round finds nearly all.
 fn merge(tasks: &mut [Task], is_root: &[bool]) {
     loop {
-        let mut first: HashMap<String, usize> = HashMap::new();
-        let mut same: HashMap<usize, usize> = HashMap::new();
-        let used = tokens(tasks);
-        for (i, task) in tasks.iter().enumerate() {
-            if is_root[i] || !used.contains(&i) {
+        let used = named(tasks);
+        let mut first: FxHashMap<u64, Vec<usize>> = FxHashMap::default();
+        let mut kept: Vec<TaskId> = (0..tasks.len() as u32).map(TaskId).collect();
+        let mut found = false;
+        for (i, (is_root, used)) in is_root.iter().zip(used).enumerate() {
+            map_tasks(&mut tasks[i].body, &|id| kept[id.0 as usize]);
+            if *is_root || !used {
                 continue;
             }
-            let key = format!("{:?}{:?}{:?}{:?}", task.function, task.params, task.vars, task.body);
-            let kept = *first.entry(key).or_insert(i);
-            if kept != i {
-                same.insert(i, kept);
+            let alike = first.entry(digest(&tasks[i])).or_default();
+            match alike.iter().find(|at| is_same(&tasks[**at], &tasks[i])) {
+                Some(at) => {
+                    kept[i] = TaskId(*at as u32);
+                    found = true;
+                }
+                None => alike.push(i),
             }
         }
-        if same.is_empty() {
+        if !found {
             return;
         }
         for task in tasks.iter_mut() {
-            map_tasks(&mut task.body, &|id| {
-                same.get(&(id.0 as usize)).map_or(id, |kept| TaskId(*kept as u32))
-            });
+            map_tasks(&mut task.body, &|id| kept[id.0 as usize]);
         }
     }
 }
 
-/// Tasks that some emission names.
-fn tokens(tasks: &[Task]) -> HashSet<usize> {
-    tasks.iter().flat_map(targets).collect()
+fn digest(task: &Task) -> u64 {
+    let mut hasher = FxHasher::default();
+    (&task.function, &task.params, &task.vars, &task.body).hash(&mut hasher);
+    hasher.finish()
+}
+
+fn is_same(a: &Task, b: &Task) -> bool {
+    a.function == b.function && a.params == b.params && a.vars == b.vars && a.body == b.body
+}
+
+/// Which tasks some emission names.
+fn named(tasks: &[Task]) -> Vec<bool> {
+    let mut named = vec![false; tasks.len()];
+    tasks.iter().flat_map(targets).for_each(|target| named[target] = true);
+    named
 }
 
 fn targets(task: &Task) -> Vec<usize> {
@@ -114,7 +133,7 @@ fn targets(task: &Task) -> Vec<usize> {
 /// What draft 0 reaches, breadth first.
 fn reached(tasks: &[Task]) -> Vec<usize> {
     let mut order = Vec::new();
-    let mut seen = HashSet::from([0]);
+    let mut seen = FxHashSet::from_iter([0]);
     let mut open = VecDeque::from([0]);
     while let Some(draft) = open.pop_front() {
         order.push(draft);
@@ -125,8 +144,8 @@ fn reached(tasks: &[Task]) -> Vec<usize> {
 
 /// `fib` for the function's own task, `fib.1`, `fib.2`, .. for its continuations in the order of `order`.
 fn name(tasks: &mut [Task], order: &[usize], is_root: &[bool], owners: &[usize], functions: &[Function]) {
-    let mut names: HashSet<_> = functions.iter().map(|f| f.name.clone()).collect();
-    let mut count: HashMap<usize, u32> = HashMap::new();
+    let mut names = Names::of(functions);
+    let mut count: FxHashMap<usize, u32> = FxHashMap::default();
     for &draft in order {
         let base = &functions[owners[draft]].name;
         tasks[draft].name = if is_root[draft] {
@@ -134,7 +153,7 @@ fn name(tasks: &mut [Task], order: &[usize], is_root: &[bool], owners: &[usize],
         } else {
             let n = count.entry(owners[draft]).or_insert(0);
             *n += 1;
-            fresh_name(&mut names, &format!("{base}.{n}"))
+            names.fresh(&format!("{base}.{n}"))
         };
     }
 }
@@ -142,16 +161,13 @@ fn name(tasks: &mut [Task], order: &[usize], is_root: &[bool], owners: &[usize],
 /// Copies the helpers that tasks reach, callees first, and sends calls to the copies.
 fn helpers(table: &mut Table, functions: &[Function]) {
     let graph = Graph::new(functions);
-    let mut wanted = vec![false; functions.len()];
+    let mut called = Vec::new();
     for task in &table.tasks {
-        task_calls(&task.body, &mut |id| {
-            for (f, reached) in graph.reached(id.0 as usize).into_iter().enumerate() {
-                wanted[f] |= reached;
-            }
-        });
+        task_calls(&task.body, &mut |id| called.push(id.0 as usize));
     }
+    let wanted = graph.reached(called);
     let kept: Vec<_> = graph.bottom_up.iter().copied().filter(|f| wanted[*f]).collect();
-    let number: HashMap<_, _> = kept.iter().enumerate().map(|(i, f)| (*f as u32, FnId(i as u32))).collect();
+    let number: FxHashMap<_, _> = kept.iter().enumerate().map(|(i, f)| (*f as u32, FnId(i as u32))).collect();
     let map = |id: FnId| number[&id.0];
     for f in kept {
         let mut helper = functions[f].clone();

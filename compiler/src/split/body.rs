@@ -12,10 +12,11 @@
 //!   task calls evaluates a small join itself;
 //! - an `if` that is ready together with other calls is made a function of its own, so that it does not hold them up.
 
-use std::collections::HashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::live::{copy, free, prune, sink, tail_size, vars_of};
-use crate::core::walk::{Renumber, calls, free_in_stmt, mentions};
+use crate::core::names::Names;
+use crate::core::walk::{Free, Renumber, calls_any, free_in_stmt, uses};
 use crate::core::{Atom, Block, Function, Mark, Op, Stmt, Var};
 use crate::table::{Emission, Tail, TailBlock, TaskId, Token};
 
@@ -38,7 +39,8 @@ pub struct Draft {
 /// Splits what `entry` reaches. Draft 0 is the entry's task.
 pub fn split(functions: &mut Vec<Function>, is_task: Vec<bool>, entry: usize) -> Vec<Draft> {
     let roots = vec![None; functions.len()];
-    let mut splitter = Splitter { functions, is_task, roots, drafts: Vec::new(), open: Vec::new() };
+    let names = Names::of(functions.iter());
+    let mut splitter = Splitter { functions, is_task, roots, drafts: Vec::new(), open: Vec::new(), names };
     splitter.root(entry);
     while let Some(f) = splitter.open.pop() {
         splitter.function(f);
@@ -56,8 +58,9 @@ struct Finish {
 
 impl Finish {
     fn with(&self, results: &[Atom]) -> Emission {
+        let values: FxHashMap<Var, Atom> = self.slots.iter().copied().zip(results.iter().copied()).collect();
         let replace = |atom: Atom| match atom {
-            Atom::Var(v) => self.slots.iter().position(|s| *s == v).map_or(atom, |i| results[i]),
+            Atom::Var(v) => values.get(&v).copied().unwrap_or(atom),
             Atom::Const(_) => atom,
         };
         let token = |t: &Token<Atom>| match t {
@@ -74,14 +77,22 @@ struct Group {
     tokens: Emission,
 }
 
-/// A block's statements by what they wait for.
+/// Statements of a block that wait for the same task calls.
 #[derive(Default)]
-struct Schedule {
-    /// Depend on no task call.
+struct Level {
+    /// Depend on no task call but those of earlier levels.
     before: Vec<Stmt>,
-    /// Task calls, and `if`s with task calls inside, that depend on no other.
+    /// Task calls, and `if`s with task calls inside, that depend on no others.
     ready: Vec<Stmt>,
-    rest: Vec<Stmt>,
+    /// Tokens that the calls put into an emission.
+    tokens: usize,
+}
+
+impl Level {
+    /// Calls that do not fit into one emission wait for the next level.
+    fn takes(&self, tokens: usize) -> bool {
+        self.ready.is_empty() || self.tokens + tokens <= LONGEST
+    }
 }
 
 struct Splitter<'a> {
@@ -92,6 +103,7 @@ struct Splitter<'a> {
     drafts: Vec<Draft>,
     /// Functions whose draft is still empty.
     open: Vec<usize>,
+    names: Names,
 }
 
 impl Splitter<'_> {
@@ -118,54 +130,78 @@ impl Splitter<'_> {
         let results = self.functions[f].results.clone();
         let slots: Vec<_> = results.into_iter().map(|s| self.functions[f].fresh(s)).collect();
         let emission = literals(&slots);
-        let mut split =
-            self.block(f, body.stmts.clone(), &body.results, &Finish { slots, emission, join: None });
-        self.functions[f].body = body;
+        let mut split = self.block(f, body, &Finish { slots, emission, join: None });
         prune(&mut split);
         make_self_calls_loops(&mut split, root, self.functions[f].params.len());
         self.drafts[root.0 as usize].body = split;
     }
 
     fn any_task_call(&self, stmts: &[Stmt]) -> bool {
-        calls(stmts).iter().any(|id| self.is_task[id.0 as usize])
+        calls_any(stmts, &self.is_task)
     }
 
-    fn schedule(&self, stmts: Vec<Stmt>) -> Schedule {
-        let mut schedule = Schedule::default();
-        let mut waiting: HashSet<Var> = HashSet::new();
+    /// The statements by level. The last level has no calls.
+    fn levels(&self, stmts: Vec<Stmt>) -> Vec<Level> {
+        let mut levels = vec![Level::default()];
+        // The level at which a variable is known, if that is not the first.
+        let mut known: FxHashMap<Var, usize> = FxHashMap::default();
+        // Where to look for room for a call at a level that had none.
+        let mut room: FxHashMap<usize, usize> = FxHashMap::default();
         for stmt in stmts {
-            let is_call = self.any_task_call(std::slice::from_ref(&stmt));
-            let waits = !waiting.is_empty() && mentions(&stmt, &waiting);
-            if is_call || waits {
-                waiting.extend(&stmt.dst);
+            let mut at = 0;
+            if !known.is_empty() {
+                uses(&stmt, &mut |v| at = at.max(known.get(&v).copied().unwrap_or(0)));
             }
-            let list = match (waits, is_call) {
-                (true, _) => &mut schedule.rest,
-                (false, true) => &mut schedule.ready,
-                (false, false) => &mut schedule.before,
-            };
-            list.push(stmt);
+            if !self.any_task_call(std::slice::from_ref(&stmt)) {
+                if at > 0 {
+                    known.extend(stmt.dst.iter().map(|v| (*v, at)));
+                }
+                levels[at].before.push(stmt);
+                continue;
+            }
+            let tokens = stmt.op.operands().count() + 1;
+            at = with_room(&mut room, at);
+            while !levels[at].takes(tokens) {
+                room.insert(at, at + 1);
+                at = with_room(&mut room, at + 1);
+                if at == levels.len() {
+                    levels.push(Level::default());
+                }
+            }
+            if at + 1 == levels.len() {
+                levels.push(Level::default());
+            }
+            known.extend(stmt.dst.iter().map(|v| (*v, at + 1)));
+            levels[at].tokens += tokens;
+            levels[at].ready.push(stmt);
         }
-        schedule
+        levels
     }
 
-    fn block(&mut self, f: usize, stmts: Vec<Stmt>, results: &[Atom], finish: &Finish) -> TailBlock {
-        let Schedule { before, mut ready, mut rest } = self.schedule(stmts);
-        if ready.is_empty() {
-            return match &finish.join {
-                Some(join) if !before.is_empty() => {
-                    let last = Block { stmts: before, results: results.to_vec() };
-                    self.append(f, &last, &finish.slots, join)
+    fn block(&mut self, f: usize, block: Block, finish: &Finish) -> TailBlock {
+        let mut levels = self.levels(block.stmts);
+        let Level { before, .. } = levels.pop().unwrap_or_default();
+        let mut after = match &finish.join {
+            Some(join) if !before.is_empty() => {
+                let last = Block { stmts: before, results: block.results };
+                self.append(f, last, &finish.slots, join)
+            }
+            _ => TailBlock { stmts: before, tail: Tail::Emit(finish.with(&block.results)) },
+        };
+        // From the end, because what comes after is an operand of what comes before.
+        for Level { before, mut ready, .. } in levels.into_iter().rev() {
+            let is_if = matches!(ready.as_slice(), [Stmt { op: Op::If(..), .. }]);
+            after = match ready.pop() {
+                Some(Stmt { dst, op: Op::If(cond, yes, no) }) if is_if => {
+                    self.exits(f, before, &dst, (cond, yes, no), after)
                 }
-                _ => TailBlock { stmts: before, tail: Tail::Emit(finish.with(results)) },
+                last => {
+                    ready.extend(last);
+                    self.emit(f, before, &ready, after)
+                }
             };
         }
-        rest.splice(0..0, ready.split_off(fitting(&ready)));
-        let after = self.block(f, rest, results, finish);
-        match ready.as_slice() {
-            [Stmt { dst, op: Op::If(cond, yes, no) }] => self.exits(f, before, dst, (*cond, yes, no), after),
-            _ => self.emit(f, before, &ready, after),
-        }
+        after
     }
 
     /// Ready calls, then `after`.
@@ -192,41 +228,43 @@ impl Splitter<'_> {
         f: usize,
         before: Vec<Stmt>,
         dst: &[Var],
-        (cond, yes, no): (Atom, &Block, &Block),
+        (cond, yes, no): (Atom, Block, Block),
         after: TailBlock,
     ) -> TailBlock {
         if let (true, Tail::Emit(emission)) = (after.stmts.is_empty(), &after.tail) {
             let finish = Finish { slots: dst.to_vec(), emission: emission.clone(), join: None };
-            let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, b.stmts.clone(), &b.results, &finish)));
+            let [yes, no] = [yes, no].map(|b| Box::new(self.block(f, b, &finish)));
             return TailBlock { stmts: before, tail: Tail::If(cond, yes, no) };
         }
         // The join.
-        let branches = Stmt { dst: dst.to_vec(), op: Op::If(cond, yes.clone(), no.clone()) };
-        let needed = free_in_stmt(&branches).into_iter().collect();
+        let mut needed = Free::default();
+        needed.atoms(&[cond]);
+        needed.block(&yes);
+        needed.block(&no);
+        let needed = needed.vars().into_iter().collect();
         let small = tail_size(&after) <= SMALL_JOIN;
         let in_place = if small { Some(after.clone()) } else { None };
         let (live, task) = self.continuation(f, &before, after, dst, &needed);
         let mut emission = literals(&live);
         emission.extend(literals(dst));
         emission.push(Token::Function(task));
-        let finish = Finish { slots: dst.to_vec(), emission, join: in_place.clone() };
+        let finish = Finish { slots: dst.to_vec(), emission, join: in_place };
         let [yes, no] = [yes, no].map(|b| {
-            Box::new(match &in_place {
+            Box::new(match &finish.join {
                 Some(after) if !self.any_task_call(&b.stmts) => self.append(f, b, dst, after),
-                _ => self.block(f, b.stmts.clone(), &b.results, &finish),
+                _ => self.block(f, b, &finish),
             })
         });
         TailBlock { stmts: before, tail: Tail::If(cond, yes, no) }
     }
 
     /// Statements without task calls, then a copy of `after`.
-    fn append(&mut self, f: usize, branch: &Block, dst: &[Var], after: &TailBlock) -> TailBlock {
-        let old = std::mem::take(&mut self.functions[f].vars);
-        let mut renumber = Renumber::new(&old, old.clone());
-        renumber.map.extend(dst.iter().copied().zip(branch.results.iter().copied()));
+    fn append(&mut self, f: usize, branch: Block, dst: &[Var], after: &TailBlock) -> TailBlock {
+        let mut renumber = Renumber::within(std::mem::take(&mut self.functions[f].vars));
+        renumber.map.extend(dst.iter().copied().zip(branch.results));
         let mut block = copy(&mut renumber, after);
         self.functions[f].vars = renumber.new;
-        block.stmts.splice(0..0, branch.stmts.iter().cloned());
+        block.stmts.splice(0..0, branch.stmts);
         block
     }
 
@@ -237,13 +275,14 @@ impl Splitter<'_> {
         before: &[Stmt],
         mut block: TailBlock,
         results: &[Var],
-        needed: &HashSet<Var>,
+        needed: &FxHashSet<Var>,
     ) -> (Vec<Var>, TaskId) {
-        let mut stmts = sink(before, &block, results, needed);
+        let given: FxHashSet<Var> = results.iter().copied().collect();
+        let mut stmts = sink(before, &block, &given, needed);
         stmts.append(&mut block.stmts);
         block.stmts = stmts;
         prune(&mut block);
-        let mut live: Vec<_> = free(&block).into_iter().filter(|v| !results.contains(v)).collect();
+        let mut live: Vec<_> = free(&block).into_iter().filter(|v| !given.contains(v)).collect();
         live.sort();
         let params = live.iter().chain(results).copied().collect();
         let task = self.draft(Draft { function: f, is_root: false, params, body: block });
@@ -265,16 +304,16 @@ impl Splitter<'_> {
         let params = free_in_stmt(stmt);
         let args = params.iter().map(|v| Atom::Var(*v)).collect();
         let from = &self.functions[f];
-        let mut names = self.functions.iter().map(|f| f.name.clone()).collect();
+        let mut renumber = Renumber::apart(&from.vars);
+        let params = renumber.defines(&params);
+        let stmts = renumber.stmts(std::slice::from_ref(stmt));
+        let results = stmts.iter().flat_map(|s| &s.dst).map(|v| Atom::Var(*v)).collect();
         let function = Function {
-            name: super::lift::fresh_name(&mut names, &format!("{}.if", from.name)),
+            name: self.names.fresh(&format!("{}.if", from.name)),
             params,
             results: stmt.dst.iter().map(|v| from.vars[v.0 as usize]).collect(),
-            vars: from.vars.clone(),
-            body: Block {
-                stmts: vec![stmt.clone()],
-                results: stmt.dst.iter().map(|v| Atom::Var(*v)).collect(),
-            },
+            vars: renumber.new,
+            body: Block { stmts, results },
             mark: Mark::Auto,
             span: from.span,
         };
@@ -285,14 +324,17 @@ impl Splitter<'_> {
     }
 }
 
-/// How many of the ready calls go out together.
-fn fitting(ready: &[Stmt]) -> usize {
-    let mut tokens = 0;
-    let fits = |stmt: &&Stmt| {
-        tokens += stmt.op.operands().count() + 1;
-        tokens <= LONGEST
-    };
-    ready.iter().take_while(fits).count().max(1)
+/// The next level from `at` on that may have room for a call; shortens the way there.
+fn with_room(room: &mut FxHashMap<usize, usize>, at: usize) -> usize {
+    let mut end = at;
+    while let Some(next) = room.get(&end) {
+        end = *next;
+    }
+    let mut on = at;
+    while on != end {
+        on = room.insert(on, end).unwrap_or(end);
+    }
+    end
 }
 
 fn literals(vars: &[Var]) -> Emission {
@@ -313,12 +355,14 @@ fn literal_vars(emission: &Emission) -> Vec<Var> {
 /// `emission` with each group's tokens in the place of its results. Possible if all results stand in it exactly
 /// once, those of a group side by side and in order.
 fn forward(emission: &Emission, groups: &[Group]) -> Option<Emission> {
+    let owners = groups.iter().enumerate().flat_map(|(i, g)| g.dst.iter().map(move |v| (*v, i)));
+    let owners: FxHashMap<Var, usize> = owners.collect();
     let mut out = Vec::with_capacity(emission.len());
     let mut placed = vec![false; groups.len()];
     let mut at = 0;
     while let Some(token) = emission.get(at) {
         let group = match token {
-            Token::Literal(Atom::Var(v)) => groups.iter().position(|g| g.dst.contains(v)),
+            Token::Literal(Atom::Var(v)) => owners.get(v).copied(),
             _ => None,
         };
         let Some(i) = group else {

@@ -4,11 +4,12 @@
 //! balanced binary tree over its range, all of whose leaves can be evaluated in parallel:
 //! `sum(lo, hi) = if hi - lo <= 1 { body(lo) } else { sum(lo, mid) + sum(mid, hi) }` for `lo < hi`.
 
-use std::collections::HashSet;
+use rustc_hash::FxHashSet;
 
 use super::tasks;
 use crate::core::graph::Graph;
-use crate::core::walk::{Free, calls, statements};
+use crate::core::names::Names;
+use crate::core::walk::{Free, Renumber, calls_any, statements};
 use crate::core::{
     Atom, Block, Const, FnId, Function, Loop, LoopKind, Mark, Op, Prim, Program, Scalar, Stmt, Var,
 };
@@ -77,8 +78,8 @@ impl Turns {
 }
 
 fn lift(program: &mut Program, turns: Turns, is_task: Vec<bool>) {
-    let mut lifter = Lifter { is_task, turns, names: HashSet::new(), new: Vec::new(), base: 0 };
-    lifter.names = program.functions.iter().map(|f| f.name.clone()).collect();
+    let mut lifter =
+        Lifter { is_task, turns, names: Names::of(&program.functions), new: Vec::new(), base: 0 };
     let mut at = 0;
     while at < program.functions.len() {
         lifter.base = program.functions.len();
@@ -94,7 +95,7 @@ fn lift(program: &mut Program, turns: Turns, is_task: Vec<bool>) {
 struct Lifter {
     is_task: Vec<bool>,
     turns: Turns,
-    names: HashSet<String>,
+    names: Names,
     /// Functions made of the current one's loops.
     new: Vec<Function>,
     /// Index of the first of them.
@@ -105,24 +106,21 @@ impl Lifter {
     fn block(&mut self, f: &mut Function, block: &mut Block) {
         let mut stmts = Vec::with_capacity(block.stmts.len());
         for mut stmt in std::mem::take(&mut block.stmts) {
-            if let Op::Loop(l) = &stmt.op
-                && (self.calls_task(l) || self.turns.is_long(l))
-            {
-                let l = l.clone();
-                self.lift(f, stmt.dst, &l, &mut stmts);
-                continue;
+            match stmt.op {
+                Op::Loop(l) if self.calls_task(&l) || self.turns.is_long(&l) => {
+                    self.lift(f, stmt.dst, &l, &mut stmts);
+                }
+                _ => {
+                    stmt.op.blocks_mut().for_each(|inner| self.block(f, inner));
+                    stmts.push(stmt);
+                }
             }
-            for inner in stmt.op.blocks_mut() {
-                self.block(f, inner);
-            }
-            stmts.push(stmt);
         }
         block.stmts = stmts;
     }
 
     fn calls_task(&self, l: &Loop) -> bool {
-        let mut called = calls(&l.cond.stmts).into_iter().chain(calls(&l.body.stmts));
-        called.any(|id| self.is_task[id.0 as usize])
+        [&l.cond, &l.body].iter().any(|block| calls_any(&block.stmts, &self.is_task))
     }
 
     fn lift(&mut self, f: &mut Function, dst: Vec<Var>, l: &Loop, stmts: &mut Vec<Stmt>) {
@@ -133,18 +131,26 @@ impl Lifter {
         }
     }
 
-    fn add(&mut self, f: &Function, kind: &str, make: impl FnOnce(FnId, &mut Function)) -> FnId {
+    /// A new function, which `make` writes with the variables of `f` and more.
+    fn add(&mut self, f: &mut Function, kind: &str, make: impl FnOnce(FnId, &mut Function)) -> FnId {
         let id = FnId((self.base + self.new.len()) as u32);
+        let own = f.vars.len();
         let mut function = Function {
-            name: fresh_name(&mut self.names, &format!("{}.{kind}", f.name)),
+            name: self.names.fresh(&format!("{}.{kind}", f.name)),
             params: Vec::new(),
             results: Vec::new(),
-            vars: f.vars.clone(),
+            vars: std::mem::take(&mut f.vars),
             body: Block::default(),
             mark: Mark::Auto,
             span: f.span,
         };
         make(id, &mut function);
+        let mut renumber = Renumber::apart(&function.vars);
+        function.params = renumber.defines(&function.params);
+        function.body = renumber.block(&function.body);
+        let vars = renumber.new;
+        f.vars = std::mem::replace(&mut function.vars, vars);
+        f.vars.truncate(own);
         self.new.push(function);
         id
     }
@@ -175,7 +181,7 @@ impl Lifter {
 
     fn lift_sum(&mut self, f: &mut Function, dst: Vec<Var>, l: &Loop, sum: &Sum, stmts: &mut Vec<Stmt>) {
         let index = l.state[0].0;
-        let bound: HashSet<_> = l.state.iter().map(|(v, _)| *v).collect();
+        let bound: FxHashSet<_> = l.state.iter().map(|(v, _)| *v).collect();
         let mut free = Free::default();
         free.bind(&[index]);
         free.block(&sum.leaf);
@@ -210,14 +216,6 @@ fn captured(l: &Loop) -> Vec<Var> {
     free.block(&l.cond);
     free.block(&l.body);
     free.vars()
-}
-
-/// A name not taken yet: `base`, `base2`, ..
-pub(crate) fn fresh_name(names: &mut HashSet<String>, base: &str) -> String {
-    let candidates = std::iter::once(base.to_string()).chain((2..).map(|i| format!("{base}{i}")));
-    let name = candidates.into_iter().find(|name| !names.contains(name)).unwrap_or_default();
-    names.insert(name.clone());
-    name
 }
 
 /// Adds words one by one; an integer zero needs no addition.
@@ -292,7 +290,7 @@ impl Sum {
             return None;
         }
         let index = l.state.first()?.0;
-        let state: HashSet<_> = l.state.iter().map(|(v, _)| *v).collect();
+        let state: FxHashSet<_> = l.state.iter().map(|(v, _)| *v).collect();
         let [Stmt { dst, op: Op::Prim(Prim::Lt, Scalar::I32, test) }] = l.cond.stmts.as_slice() else {
             return None;
         };
@@ -312,8 +310,8 @@ impl Sum {
             leaf.results.push(added(add, accumulator)?);
             leaf.stmts.retain(|s| s.dst != add.dst);
         }
-        let accumulators: HashSet<_> = state_after_index(l).map(|(v, _)| v).collect();
-        let sums: HashSet<_> = l.body.results[1..].iter().copied().collect();
+        let accumulators: FxHashSet<_> = state_after_index(l).map(|(v, _)| v).collect();
+        let sums: FxHashSet<_> = l.body.results[1..].iter().copied().collect();
         let hidden = |a: &Atom| sums.contains(a) || matches!(a, Atom::Var(v) if accumulators.contains(v));
         (!uses_any(&leaf, &hidden)).then_some(Sum { limit, leaf })
     }

@@ -1,6 +1,8 @@
 //! Which words a continuation gets, and which statements it evaluates itself to get fewer of them.
 
-use std::collections::HashSet;
+use std::collections::BinaryHeap;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::core::walk::{Free, Renumber, free_in_stmt, size};
 use crate::core::{Atom, Op, Stmt, Var};
@@ -73,7 +75,7 @@ pub fn prune(block: &mut TailBlock) {
         prune(no);
     }
     let stmts = std::mem::take(&mut block.stmts);
-    let mut used: HashSet<Var> = free(block).into_iter().collect();
+    let mut used: FxHashSet<Var> = free(block).into_iter().collect();
     for stmt in stmts.into_iter().rev() {
         if stmt.dst.iter().any(|v| used.contains(v)) {
             used.extend(free_in_stmt(&stmt));
@@ -85,41 +87,56 @@ pub fn prune(block: &mut TailBlock) {
 
 /// The statements of `before` that a continuation with body `block` should evaluate itself, chosen so that it has
 /// few live words. Those that `needed` depends on would be evaluated twice, so they must be cheap and save a word.
-pub fn sink(before: &[Stmt], block: &TailBlock, results: &[Var], needed: &HashSet<Var>) -> Vec<Stmt> {
+pub fn sink(
+    before: &[Stmt],
+    block: &TailBlock,
+    results: &FxHashSet<Var>,
+    needed: &FxHashSet<Var>,
+) -> Vec<Stmt> {
     let needed = closure(before, needed);
-    let mut live: HashSet<Var> = free(block).into_iter().filter(|v| !results.contains(v)).collect();
+    let mut live: FxHashSet<Var> = free(block).into_iter().filter(|v| !results.contains(v)).collect();
+    let places = before.iter().enumerate().flat_map(|(at, stmt)| stmt.dst.iter().map(move |v| (*v, at)));
+    let places: FxHashMap<Var, usize> = places.collect();
     let mut taken = vec![false; before.len()];
     for at in (0..before.len()).rev() {
         if taken[at] || !before[at].dst.iter().any(|v| live.contains(v)) {
             continue;
         }
-        let candidates = [vec![at], cone(before, at, &live)];
-        for parts in candidates {
-            let mut after = live.clone();
-            for part in &parts {
-                before[*part].dst.iter().for_each(|v| {
-                    after.remove(v);
-                });
-            }
-            let defined: HashSet<Var> = parts.iter().flat_map(|p| before[*p].dst.iter().copied()).collect();
-            after.extend(
-                parts.iter().flat_map(|p| free_in_stmt(&before[*p])).filter(|v| !defined.contains(v)),
-            );
-            let twice = parts.iter().any(|p| before[*p].dst.iter().any(|v| needed.contains(v)));
-            let cheap = parts.iter().all(|p| is_cheap(&before[*p]));
-            let pays = if twice { cheap && after.len() < live.len() } else { after.len() <= live.len() };
-            if pays {
-                parts.iter().for_each(|p| taken[*p] = true);
-                live = after;
-                break;
-            }
+        if !take(before, &[at], &needed, &mut live, &mut taken) {
+            let cone = cone(before, at, &live, &places);
+            take(before, &cone, &needed, &mut live, &mut taken);
         }
     }
     before.iter().zip(taken).filter(|(_, taken)| *taken).map(|(stmt, _)| stmt.clone()).collect()
 }
 
+/// Takes these statements along if that pays; whether it did.
+fn take(
+    before: &[Stmt],
+    parts: &[usize],
+    needed: &FxHashSet<Var>,
+    live: &mut FxHashSet<Var>,
+    taken: &mut [bool],
+) -> bool {
+    let defined: FxHashSet<Var> = parts.iter().flat_map(|p| before[*p].dst.iter().copied()).collect();
+    let saved = defined.iter().filter(|v| live.contains(v)).count();
+    let operands = parts.iter().flat_map(|p| free_in_stmt(&before[*p]));
+    let added: FxHashSet<Var> = operands.filter(|v| !defined.contains(v) && !live.contains(v)).collect();
+    let twice = defined.iter().any(|v| needed.contains(v));
+    let cheap = parts.iter().all(|p| is_cheap(&before[*p]));
+    let pays = if twice { cheap && added.len() < saved } else { added.len() <= saved };
+    if pays {
+        parts.iter().for_each(|p| taken[*p] = true);
+        for v in &defined {
+            live.remove(v);
+        }
+        live.extend(added);
+    }
+    pays
+}
+
 /// `vars` and everything of `before` that they depend on.
-fn closure(before: &[Stmt], vars: &HashSet<Var>) -> HashSet<Var> {
+fn closure(before: &[Stmt], vars: &FxHashSet<Var>) -> FxHashSet<Var> {
     let mut all = vars.clone();
     for stmt in before.iter().rev() {
         if stmt.dst.iter().any(|v| all.contains(v)) {
@@ -130,20 +147,20 @@ fn closure(before: &[Stmt], vars: &HashSet<Var>) -> HashSet<Var> {
 }
 
 /// Statement `at` with the cheap ones it depends on, down to variables that are live anyway.
-fn cone(before: &[Stmt], at: usize, live: &HashSet<Var>) -> Vec<usize> {
-    let mut wanted: HashSet<Var> = before[at].dst.iter().copied().collect();
+fn cone(before: &[Stmt], at: usize, live: &FxHashSet<Var>, places: &FxHashMap<Var, usize>) -> Vec<usize> {
     let mut parts = Vec::new();
-    for i in (0..=at).rev() {
-        let stmt = &before[i];
-        let part =
-            i == at || is_cheap(stmt) && stmt.dst.iter().any(|v| wanted.contains(v) && !live.contains(v));
-        if part && stmt.dst.iter().any(|v| wanted.contains(v)) {
-            wanted.extend(free_in_stmt(stmt));
-            parts.push(i);
+    let mut open = BinaryHeap::from([at]);
+    while let Some(i) = open.pop() {
+        // Operands are defined before, so equal indices come one after the other.
+        if parts.last() == Some(&i) {
+            continue;
         }
+        parts.push(i);
         if parts.len() > 8 {
             return vec![at];
         }
+        let wanted = free_in_stmt(&before[i]).into_iter().filter(|v| !live.contains(v));
+        open.extend(wanted.filter_map(|v| places.get(&v)).filter(|p| is_cheap(&before[**p])));
     }
     parts.reverse();
     parts

@@ -54,40 +54,47 @@ fn tail_block(scope: &mut Scope, task: &Task, block: &TailBlock) -> Result<(), S
     Ok(())
 }
 
-/// Results follow from exits whose function tokens have known results, until nothing new is learnt.
+/// Results follow from exits whose function tokens have known results; an exit that has to wait for those of a task is
+/// looked at again once they are known.
 pub(crate) fn results(table: &Table) -> Result<Vec<Option<Vec<Scalar>>>, String> {
     let mut known: Vec<Option<Vec<Scalar>>> = vec![None; table.tasks.len()];
-    loop {
-        let mut learnt = false;
-        for (i, task) in table.tasks.iter().enumerate() {
-            for emission in task.emissions() {
-                let left = effect(table, task, emission, &known)
-                    .map_err(|why| format!("an emission of `{}`: {why}", task.name))?;
-                match (left, &known[i]) {
-                    (Some(left), None) => {
-                        known[i] = Some(left);
-                        learnt = true;
-                    }
-                    (Some(left), Some(other)) if left != *other => {
-                        return Err(format!("exits of `{}` leave {left:?} and {other:?}", task.name));
-                    }
-                    _ => {}
-                }
+    let mut waiting: Vec<Vec<(usize, &Emission)>> = vec![Vec::new(); table.tasks.len()];
+    let mut open: Vec<(usize, &Emission)> = Vec::new();
+    for (i, task) in table.tasks.iter().enumerate() {
+        open.extend(task.emissions().into_iter().map(|emission| (i, emission)));
+    }
+    while let Some((i, emission)) = open.pop() {
+        let task = &table.tasks[i];
+        let effect = effect(table, task, emission, &known)
+            .map_err(|why| format!("an emission of `{}`: {why}", task.name))?;
+        match (effect, &known[i]) {
+            (Effect::Waits(callee), _) => waiting[callee].push((i, emission)),
+            (Effect::Leaves(left), None) => {
+                known[i] = Some(left);
+                open.append(&mut waiting[i]);
             }
-        }
-        if !learnt {
-            return Ok(known);
+            (Effect::Leaves(left), Some(other)) if left != *other => {
+                return Err(format!("exits of `{}` leave {left:?} and {other:?}", task.name));
+            }
+            _ => {}
         }
     }
+    Ok(known)
 }
 
-/// What is left of an emission, as far as it is known.
+/// What is known of an emission.
+enum Effect {
+    Leaves(Vec<Scalar>),
+    /// The results of this task are not known yet.
+    Waits(usize),
+}
+
 fn effect(
     table: &Table,
     task: &Task,
     emission: &Emission,
     known: &[Option<Vec<Scalar>>],
-) -> Result<Option<Vec<Scalar>>, String> {
+) -> Result<Effect, String> {
     let mut stack = Vec::new();
     for token in emission {
         let id = match token {
@@ -101,7 +108,7 @@ fn effect(
             }
             Token::Function(id) => id.0 as usize,
         };
-        let callee = table.tasks.get(id).ok_or(format!("there is no task {id}"))?;
+        let callee = table.tasks.get(id).ok_or_else(|| format!("there is no task {id}"))?;
         let wanted = params(callee);
         if !stack.ends_with(&wanted) {
             return Err(format!("`{}` wants {wanted:?} and finds {stack:?}", callee.name));
@@ -109,10 +116,10 @@ fn effect(
         stack.truncate(stack.len() - wanted.len());
         match &known[id] {
             Some(left) => stack.extend(left),
-            None => return Ok(None),
+            None => return Ok(Effect::Waits(id)),
         }
     }
-    Ok(Some(stack))
+    Ok(Effect::Leaves(stack))
 }
 
 #[cfg(test)]

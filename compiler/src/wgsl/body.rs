@@ -6,6 +6,7 @@ use crate::core::{Atom, Block, Const, Intrinsic, Loop, Op, Prim, Scalar, Stmt, V
 use crate::intrinsics::returns_struct;
 use crate::scalar;
 use crate::table::Table;
+use std::fmt::Write;
 
 /// Loops nest to at most so many iterations in all without spending fuel.
 const FREE_ITERATIONS: u64 = 64;
@@ -28,9 +29,13 @@ impl<'a> Writer<'a> {
     }
 
     pub fn line(&mut self, text: &str) {
-        self.out.push_str(&"    ".repeat(self.indent));
+        self.indented();
         self.out.push_str(text);
         self.out.push('\n');
+    }
+
+    fn indented(&mut self) {
+        self.out.extend(std::iter::repeat_n("    ", self.indent));
     }
 
     pub fn open(&mut self, text: &str) {
@@ -72,7 +77,8 @@ impl<'a> Writer<'a> {
     }
 
     fn define(&mut self, v: Var, value: &str) {
-        self.line(&format!("let v{} = {value};", v.0));
+        self.indented();
+        let _ = writeln!(self.out, "let v{} = {value};", v.0);
     }
 
     pub fn stmts(&mut self, stmts: &[Stmt]) {
@@ -127,12 +133,9 @@ impl<'a> Writer<'a> {
             }
             (Prim::Index, [_, elements @ ..]) => self.index(on, &words, elements.len()),
             _ => {
-                let mut text = template(prim, on).to_string();
-                self.support(&text);
-                for (i, word) in words.iter().enumerate() {
-                    text = text.replace(&format!("${i}"), word);
-                }
-                text
+                let template = template(prim, on);
+                self.support(template);
+                filled(template, &words)
             }
         }
     }
@@ -250,6 +253,19 @@ impl<'a> Writer<'a> {
             self.line(&assignment);
         }
     }
+}
+
+/// A template with words in the place of `$0`, `$1`, ..
+fn filled(template: &str, words: &[String]) -> String {
+    let mut parts = template.split('$');
+    let mut text = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (place, rest) = part.split_at(1);
+        let word = place.parse().ok().and_then(|i: usize| words.get(i));
+        text.push_str(word.map_or("", String::as_str));
+        text.push_str(rest);
+    }
+    text
 }
 
 /// Whether the statements may run out of fuel.

@@ -13,6 +13,7 @@ use super::expression::from_word;
 use super::{Needs, task};
 use crate::core::{Atom, Scalar};
 use crate::table::{Emission, Table, Tail, TailBlock, TaskId, Token, verify};
+use rustc_hash::FxHashSet;
 use std::collections::{BTreeSet, HashMap};
 
 /// Larger networks are left to lanes with a window in memory.
@@ -47,12 +48,14 @@ struct Network<'a> {
 
 /// `shade` by one pass over the tasks, if the network is finite and a picture.
 pub fn shade(table: &Table, entry: TaskId, needs: &mut Needs) -> Option<String> {
+    let task = table.task(entry);
+    let params: Vec<Scalar> = task.params.iter().map(|v| task.vars[v.0 as usize]).collect();
+    if params != [Scalar::F32; 2] {
+        return None;
+    }
     let results = verify::results(table).ok()?;
     let picture = results[entry.0 as usize].as_ref()?;
-    let task = table.task(entry);
-    let floats = |scalars: &[Scalar]| scalars.iter().all(|s| *s == Scalar::F32);
-    let params: Vec<Scalar> = task.params.iter().map(|v| task.vars[v.0 as usize]).collect();
-    if params != [Scalar::F32; 2] || !(1..=4).contains(&picture.len()) || !floats(picture) {
+    if !(1..=4).contains(&picture.len()) || picture.iter().any(|s| *s != Scalar::F32) {
         return None;
     }
     let widths = results.iter().map(|r| r.as_ref().map(|r| r.len() as u32)).collect();
@@ -183,9 +186,10 @@ impl<'a> Network<'a> {
             self.visit(&mut writer, *at, node);
             bodies += &writer.out;
         }
+        let named = slots_of(&bodies);
         let slots = |name: char, depth: fn(&Node) -> u32| {
             let most = self.nodes.iter().map(depth).max().unwrap_or(0) + self.table.longest_emission() * 2;
-            let used = (0..most).filter(|i| mentions(&bodies, name, *i));
+            let used = (0..most).filter(|i| named.contains(&(name, *i)));
             used.map(|i| format!("    var {name}{i}: u32;\n")).collect::<String>()
         };
         let lefts = slots('l', |n| n.left + n.literals);
@@ -359,15 +363,14 @@ fn sorted(edges: &[BTreeSet<usize>]) -> Option<Vec<usize>> {
     (order.len() == edges.len()).then_some(order)
 }
 
-/// Whether the text names the slot.
-fn mentions(text: &str, name: char, index: u32) -> bool {
-    let slot = format!("{name}{index}");
-    text.match_indices(&slot).any(|(at, _)| {
-        let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let before = text[..at].chars().next_back().is_some_and(word);
-        let after = text[at + slot.len()..].chars().next().is_some_and(word);
-        !before && !after
-    })
+/// The slots that the text names.
+fn slots_of(text: &str) -> FxHashSet<(char, u32)> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let slot = |word: &str| {
+        let name = word.chars().next().filter(|c| matches!(c, 'l' | 'r'))?;
+        Some((name, word[1..].parse().ok()?))
+    };
+    words.filter_map(slot).collect()
 }
 
 #[cfg(test)]

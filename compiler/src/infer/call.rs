@@ -206,8 +206,12 @@ impl Infer<'_, '_> {
         let mut nodes: Vec<Option<Node>> = params.iter().map(|_| None).collect();
         for argument in arguments {
             let Some(field) = &argument.name else {
-                let title = "fields are given all by name or all by position";
-                self.report(Diagnostic::error(codes::NAMED_ARGUMENT, argument.value.span, title));
+                let binding = match &argument.value.kind {
+                    ExprKind::Name(text) => declared.fields.iter().find(|(f, _)| f == text),
+                    _ => None,
+                };
+                let same = binding.map(|(f, _)| f.as_str());
+                self.report(mixed_fields(argument.value.span, same));
                 self.any(&argument.value);
                 continue;
             };
@@ -490,4 +494,14 @@ pub(super) fn arity(builtin: Builtin) -> Option<usize> {
         Shape::Matrix | Shape::Determinant | Shape::Convert | Shape::Bitcast => 1,
         Shape::VectorOf(_) | Shape::IVectorOf(_) | Shape::MatrixOf(_) | Shape::Fixed(_) => return None,
     })
+}
+
+/// A field without a name among named ones; `field` if it is called as one of them.
+pub(super) fn mixed_fields(span: Span, field: Option<&str>) -> Diagnostic {
+    let field_help = match field {
+        Some(field) => format!("write `{field}: {field}`"),
+        None => "name this field too, as in `field: ..`".to_owned(),
+    };
+    let title = "fields are given all by name or all by position";
+    Diagnostic::error(codes::NAMED_ARGUMENT, span, title).label("this one has no name").help(field_help)
 }

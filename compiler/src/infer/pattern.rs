@@ -282,13 +282,18 @@ impl Infer<'_, '_> {
                     self.unknown_field(n, &name.text, declared.fields.iter().map(|(f, _)| f.as_str()))
                 }
                 (None, _) => {
-                    let title = "fields are given all by name or all by position";
-                    self.report(Diagnostic::error(codes::NAMED_ARGUMENT, field.pattern.span, title));
+                    let span = field.pattern.span;
+                    let binding = match &field.pattern.kind {
+                        ast::PatternKind::Name(text) => declared.fields.iter().find(|(f, _)| f == text),
+                        _ => None,
+                    };
+                    self.report(super::call::mixed_fields(span, binding.map(|(f, _)| f.as_str())));
                 }
             }
         }
         let missing = declared.fields.iter().zip(&parts).find(|(_, part)| part.is_none());
-        if let (Some(((field, _), _)), Rest::Absent) = (missing, rest) {
+        let named = fields.iter().all(|field| field.name.is_some());
+        if let (true, Some(((field, _), _)), Rest::Absent) = (named, missing, rest) {
             let title = format!("this pattern leaves out the field `{field}`");
             self.report(
                 Diagnostic::error(codes::PATTERN_FIELDS, span, title)

@@ -262,9 +262,10 @@ fn put_rest_of_bits() {
     }
 }
 
-// An interrupted lane gives its redexes to others if there are few; else it is suspended as a whole.
+// An interrupted lane gives its redexes to others if there are few; else it is suspended as a whole, as are those
+// that shall go as deep as they can.
 fn share() -> bool {
-    return far_redexes && params.depth == 0u && state.previous < params.threshold && state.lean == 0u;
+    return far_redexes && params.depth < DEEP && state.previous < params.threshold && state.lean == 0u;
 }
 
 // Whether an interrupted lane holds anything that must not, or need not, become tokens of the stream.

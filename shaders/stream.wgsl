@@ -43,6 +43,7 @@ struct Params {
     most_turns: u32,       // loop turns after which a lane stops
     floor: u32,            // free blocks that are left to the sole lane of lean rounds
     may_grow: u32,         // the host can give more memory
+    zero: u32,             // 0
 }
 
 struct State {
@@ -127,6 +128,11 @@ fn loops_alive() -> bool {
         count += 1u;
     }
     return count == params.canary;
+}
+
+// The value itself, which a driver cannot know: a sum is rounded before it is used.
+fn rounded(sum: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(sum) ^ params.zero);
 }
 
 fn order_at(list: u32, index: u32) -> u32 {

@@ -9,6 +9,7 @@
 mod body;
 mod expression;
 mod network;
+mod rounding;
 mod support;
 mod task;
 #[cfg(test)]

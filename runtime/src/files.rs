@@ -1,6 +1,8 @@
 //! Programs on disk.
 
 use ghyll_compiler::source::{Files, Source};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// Longest program text that is read.
@@ -26,16 +28,34 @@ pub fn source(path: &Path) -> Result<Source, String> {
 }
 
 fn read(path: &Path) -> Result<String, String> {
-    let found = std::fs::metadata(path).map_err(|e| e.to_string())?;
-    if found.is_dir() {
+    if path.is_dir() {
         return Err("it is a folder; name a .ghyll file in it".into());
     }
-    if found.len() > LONGEST_PROGRAM {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    // Devices and pipes do not say how long they are.
+    file.take(LONGEST_PROGRAM + 1).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
+    if bytes.len() as u64 > LONGEST_PROGRAM {
         return Err("it is longer than 64 MiB, so hardly a program".into());
     }
-    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
-    String::from_utf8(bytes).map_err(|e| {
+    let text = String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         format!("it is not UTF-8 (first bad byte at offset {at}); save it as UTF-8")
+    })?;
+    // Some editors begin UTF-8 with a byte order mark.
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn a_file_without_an_end_is_refused() {
+        assert!(read(Path::new("/dev/zero")).unwrap_err().contains("64 MiB"));
+    }
 }

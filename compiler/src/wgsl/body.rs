@@ -1,6 +1,7 @@
 //! Statements of core as WGSL.
 
 use super::expression::{constant, from_word, template};
+use super::rounding::Sums;
 use super::{Needs, helper_name, support};
 use crate::core::{Atom, Block, Const, Intrinsic, Loop, Op, Prim, Scalar, Stmt, Var};
 use crate::intrinsics::returns_struct;
@@ -21,11 +22,21 @@ pub(super) struct Writer<'a> {
     /// Iterations of the loops around that do not spend fuel.
     around: u64,
     temporaries: u32,
+    sums: Sums,
 }
 
 impl<'a> Writer<'a> {
     pub fn new(table: &'a Table, needs: &'a mut Needs, vars: &'a [Scalar]) -> Self {
-        Writer { out: String::new(), indent: 0, table, vars, needs, around: 1, temporaries: 0 }
+        Writer {
+            out: String::new(),
+            indent: 0,
+            table,
+            vars,
+            needs,
+            around: 1,
+            temporaries: 0,
+            sums: Sums::default(),
+        }
     }
 
     pub fn line(&mut self, text: &str) {
@@ -92,6 +103,7 @@ impl<'a> Writer<'a> {
         match &stmt.op {
             Op::Prim(prim, scalar, args) => {
                 let value = self.prim(*prim, *scalar, args);
+                self.sums.learn(*first, *prim, *scalar, args);
                 self.define(*first, &value);
             }
             Op::Intrinsic(i, args) => self.intrinsic(&stmt.dst, *i, args),
@@ -122,7 +134,12 @@ impl<'a> Writer<'a> {
         if constants.len() == args.len() {
             return self.constant(scalar::eval(prim, on, &constants));
         }
-        let words: Vec<_> = args.iter().map(|a| self.atom(*a)).collect();
+        let mut words: Vec<_> = args.iter().map(|a| self.atom(*a)).collect();
+        for (word, rounded) in words.iter_mut().zip(self.sums.rounded(prim, on, args)) {
+            if rounded {
+                *word = format!("rounded({word})");
+            }
+        }
         match (prim, args) {
             (Prim::Div | Prim::Rem, [_, Atom::Const(c @ (Const::I32(_) | Const::U32(_)))]) => {
                 self.by_constant(prim, on, &words, *c)

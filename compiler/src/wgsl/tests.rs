@@ -17,6 +17,7 @@ fn operand(i: u32) -> u32 { return i; }
 fn literal(word: u32) {}
 fn later(word: u32) {}
 fn live_word(i: u32) -> u32 { return i; }
+fn rounded(sum: f32) -> f32 { return sum; }
 ";
 
 fn dummy(intrinsic: Intrinsic) -> String {
@@ -256,4 +257,26 @@ fn many_tasks_are_chosen_from_by_a_tree() {
     let text = written(&format!("entry f {tasks} fn f(a0: i32) -> (i32) {{ {calls} yield a200 }}")).text;
     assert!(nesting(&text) <= 9, "{}", nesting(&text));
     assert_eq!(text.matches("task_5();").count(), 1);
+}
+
+#[test]
+fn sums_are_rounded_where_a_driver_would_cancel() {
+    let body = |statements: &str| {
+        let text = format!("entry main\n\nfn main(v0: f32, v1: f32) -> (f32) {{\n{statements}  yield v4\n}}\n");
+        written(&text).text
+    };
+    let sum = "  v2: f32 = add.f32(v0, v1)\n";
+    for (rest, expected) in [
+        ("  v4: f32 = sub.f32(v2, v0)\n", "= rounded(v2) - v0;"),
+        ("  v4: f32 = sub.f32(v1, v2)\n", "= v1 - rounded(v2);"),
+        ("  v3: f32 = neg.f32(v2)\n  v4: f32 = add.f32(v0, v3)\n", "= v0 + rounded(v3);"),
+        ("  v3: f32 = add.f32(v0, 0.5)\n  v4: f32 = sub.f32(v3, 0.25)\n", "= rounded(v3) - 0.25f;"),
+        // Nothing to cancel.
+        ("  v3: f32 = mul.f32(v2, v2)\n  v4: f32 = sub.f32(v2, v3)\n", "= v2 - v3;"),
+        ("  v4: f32 = add.f32(v2, 0.25)\n", "= v2 + 0.25f;"),
+    ] {
+        let text = body(&format!("{sum}{rest}"));
+        assert!(text.contains(expected), "{expected}\n{text}");
+        assert_eq!(text.contains("rounded("), expected.contains("rounded("), "{text}");
+    }
 }

@@ -147,7 +147,7 @@ impl Engine {
 
     /// One invocation a pixel, a band of tile rows per submission.
     fn direct(&mut self, job: &mut Job, width: u32, height: u32, entry: u32) -> Result<(), RunError> {
-        self.prepare(&[Kernel::Direct])?;
+        let mut cold = self.prepare(job, &[Kernel::Direct])?;
         let mut params = Params { width, height, entry, fuel: DIRECT_FUEL, ..self.params() };
         let mut first = 0;
         while first < height {
@@ -155,6 +155,9 @@ impl Engine {
             (params.first, params.last) = (first, height.min(first + rows * 8));
             let mut state = State { culprit: NO_TASK, latest: NO_TASK, ..State::default() };
             let time = self.play(job, Kernel::Direct, [width.div_ceil(8), rows], &params, &mut state)?;
+            if std::mem::take(&mut cold) {
+                job.preparing += time;
+            }
             self.check_limits(job)?;
             if state.flags & FLAG_LOOPS != 0 {
                 return Err(self.loop_too_long(&State { culprit: entry, ..state }));
@@ -183,7 +186,7 @@ impl Engine {
 
     /// Lanes draw pixels; what they cannot finish is left to the rounds.
     fn draw_pixels(&mut self, job: &mut Job, width: u32, height: u32, entry: u32) -> Result<(), RunError> {
-        self.prepare(&[Kernel::DrawPixels])?;
+        let mut cold = self.prepare(job, &[Kernel::DrawPixels])?;
         let total = width.div_ceil(8) * height.div_ceil(8) * 64;
         let mut pixel = 0;
         while pixel < total {
@@ -196,6 +199,9 @@ impl Engine {
             let mut state = self.begin(0);
             state.pixel = pixel;
             let time = self.play(job, Kernel::DrawPixels, [groups, 1], &params, &mut state)?;
+            if std::mem::take(&mut cold) {
+                job.preparing += time;
+            }
             self.check_limits(job)?;
             if state.flags & FLAG_LOOPS != 0 {
                 state.culprit = entry;

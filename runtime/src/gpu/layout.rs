@@ -56,6 +56,7 @@ shared! {
         most_turns: u32,
         floor: u32,
         may_grow: u32,
+        zero: u32,
     }
 }
 

@@ -121,11 +121,13 @@ impl Engine {
     }
 
     /// Compiles kernels; true if any was not ready.
-    pub(super) fn prepare(&mut self, kernels: &[Kernel]) -> Result<bool, RunError> {
+    pub(super) fn prepare(&mut self, job: &mut Job, kernels: &[Kernel]) -> Result<bool, RunError> {
+        let start = Instant::now();
         let mut cold = false;
         for kernel in kernels {
             cold |= self.pipelines.prepare(&self.gpu, *kernel, &self.shape, &self.code)?;
         }
+        job.preparing += start.elapsed();
         Ok(cold)
     }
 
@@ -167,7 +169,7 @@ impl Engine {
     /// Plays rounds until only literals are left.
     pub(super) fn rewrite(&mut self, job: &mut Job, state: &mut State) -> Result<Ended, RunError> {
         // A driver may compile at the first dispatch, so the first submission's time says nothing.
-        let mut cold = self.prepare(&STAGES)?;
+        let mut cold = self.prepare(job, &STAGES)?;
         loop {
             let rounds = self.fuel.rounds;
             let start = Instant::now();
@@ -189,8 +191,11 @@ impl Engine {
             if state.status == DONE {
                 return Ok(Ended::Normal);
             }
-            self.check_limits(job)?;
             let cold = std::mem::take(&mut cold);
+            if cold {
+                job.preparing += time;
+            }
+            self.check_limits(job)?;
             if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
                 let time = if cold { Duration::ZERO } else { time / rounds };
                 if state.idle >= 2 && !self.fuel.extend(time, self.cap) {
@@ -231,7 +236,7 @@ impl Engine {
     }
 
     pub(super) fn check_limits(&self, job: &Job) -> Result<(), RunError> {
-        let seconds = job.started.elapsed();
+        let seconds = job.elapsed();
         let function = || self.code.name(job.latest).to_owned();
         let rewrites = job.stats.rewrites;
         if seconds > self.config.timeout {

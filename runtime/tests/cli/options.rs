@@ -37,3 +37,23 @@ fn what_a_machine_cannot_use_is_named() {
     assert!(twin.contains("--checked") && !twin.contains("--rewriter"), "{twin}");
     assert_eq!(said("run p.ghyll --on cpu"), "");
 }
+
+#[test]
+fn negative_values_are_refused_as_values() {
+    let folder = Folder::new("negative_values");
+    folder.write("p.ghyll", "fn main() -> i32 = 1;").write("q.ghyll", "fn pixel(p: vec2) -> f32 = 0.5;");
+    folder.ghyll("run p.ghyll --timeout -1").failed(2, &["--timeout", "0 or more"]);
+    folder.ghyll("run p.ghyll --max-memory -1").failed(2, &["--max-memory", "positive"]);
+    folder.ghyll("run p.ghyll --max-rewrites -1").failed(2, &["--max-rewrites", "invalid"]);
+    folder.ghyll("render q.ghyll --spacing -1").failed(2, &["--spacing", "positive"]);
+    folder.ghyll("render q.ghyll --fov -1").failed(2, &["--fov", "between 0 and 180"]);
+    folder.ghyll("render q.ghyll --size -1x4").failed(2, &["--size", "whole number"]);
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_program() {
+    let folder = Folder::new("byte_order_mark");
+    folder.write("p.ghyll", "\u{feff}use \"m.ghyll\";\nfn main() -> i32 = one();");
+    folder.write("m.ghyll", "\u{feff}fn one() -> i32 = 1;");
+    assert_eq!(folder.ghyll("run p.ghyll --on cpu").printed(), "1");
+}

@@ -112,13 +112,13 @@ pub struct Machine {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Give up after this many rewrites.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub max_rewrites: Option<u64>,
     /// Most memory for stream, image and terrain together, such as 512M or 2G.
-    #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = size)]
+    #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = size, allow_hyphen_values = true)]
     pub max_memory: u64,
     /// Give up after this many seconds.
-    #[arg(long, value_name = "S", default_value = "60", value_parser = seconds)]
+    #[arg(long, value_name = "S", default_value = "60", value_parser = seconds, allow_hyphen_values = true)]
     pub timeout: Duration,
     /// Let the driver check bounds and loops again, which the compiler has taken care of already.
     #[arg(long)]
@@ -144,7 +144,7 @@ pub struct Run {
 #[derive(Args)]
 pub struct Reading {
     /// Distance of samples in metres, east-west and north-south.
-    #[arg(long, value_name = "DX[,DY]", value_parser = spacing)]
+    #[arg(long, value_name = "DX[,DY]", value_parser = spacing, allow_hyphen_values = true)]
     pub spacing: Option<[f64; 2]>,
     /// What black and white mean in metres, for an image without units.
     #[arg(long, value_name = "LO,HI", value_parser = pair, allow_hyphen_values = true)]
@@ -189,7 +189,8 @@ pub struct Render {
     #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
     pub output: PathBuf,
     /// Size in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = dimensions)]
+    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = dimensions,
+          allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Named view that frames any field.
     #[arg(long, value_name = "NAME", default_value = "overview", conflicts_with = "eye",
@@ -205,7 +206,7 @@ pub struct Render {
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "eye", allow_hyphen_values = true)]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees.
-    #[arg(long, value_name = "DEG", value_parser = angle)]
+    #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     pub fov: Option<f64>,
     /// Parallel rays.
     #[arg(long)]
@@ -325,7 +326,7 @@ fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
         .split(',')
         .map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
         .collect::<Option<_>>()
-        .ok_or_else(|| format!("expected {form}, finite numbers"))?;
+        .ok_or_else(|| format!("expected {form}; it must be finite"))?;
     parts.try_into().map_err(|_| format!("expected {form}"))
 }
 
@@ -366,12 +367,13 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 fn size(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let factor = match text[digits.len()..].to_ascii_lowercase().as_str() {
+    let unit = &text[digits.len()..];
+    let factor = match unit.to_ascii_lowercase().as_str() {
         "" | "b" => 1,
         "k" | "kb" | "kib" => 1u64 << 10,
         "m" | "mb" | "mib" => 1 << 20,
         "g" | "gb" | "gib" => 1 << 30,
-        unit => return Err(format!("unknown unit `{unit}`: use K, M or G")),
+        _ => return Err(format!("unknown unit `{unit}`: use K, M or G")),
     };
     let number: f64 = digits.parse().map_err(|_| "expected a size such as 512M".to_string())?;
     if number > 0.0 { Ok((number * factor as f64) as u64) } else { Err("must be positive".into()) }

@@ -11,7 +11,7 @@ use ghyll_runtime::config::Config;
 use ghyll_runtime::machine::Job;
 
 /// Steps inside fused functions, all rounds together.
-const FUEL: u64 = 1 << 30;
+const FUEL: u64 = 1 << 27;
 
 pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;

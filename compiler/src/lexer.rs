@@ -296,6 +296,7 @@ impl<'s> Reader<'s> {
         };
         let title = match code {
             codes::FOREIGN_OPERATOR => format!("there is no operator `{found}`"),
+            _ if found.bytes().all(|b| b.is_ascii_graphic()) => format!("`{found}` means nothing in Ghyll"),
             _ => format!("`{}` means nothing in Ghyll", found.escape_debug()),
         };
         self.error(code, start, end, &title).help = Some(help.to_owned());

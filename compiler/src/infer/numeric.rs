@@ -249,6 +249,11 @@ impl Infer<'_, '_> {
             Some(format!("nothing is converted by itself: write `{name}(..)` around the {side} side"))
         };
         match (self.class(left), self.class(right)) {
+            (Scalar(Ty::F32), Scalar(Ty::F32) | Literal) | (Literal, Scalar(Ty::F32))
+                if op == BinaryOp::BitXor =>
+            {
+                Some("the power is `pow(x, y)`; integers have bits".to_owned())
+            }
             (Scalar(a), Scalar(b)) if a == b => Some("integers have it: convert with `i32(..)`".to_owned()),
             (Scalar(Ty::F32), Scalar(_)) | (Vec(_) | Mat(_), Scalar(_)) => other("right", "f32"),
             (Scalar(_), Scalar(Ty::F32)) | (Scalar(_), Vec(_) | Mat(_)) => other("left", "f32"),

@@ -116,6 +116,32 @@ fn task_0() {
     code(functions, &[("ackermann", 2)], 5)
 }
 
+/// Takeuchi's function: tak(x, y, z) = if y >= x { z } else { tak(tak(x - 1, y, z), tak(y - 1, z, x), tak(z - 1, x, y)) }
+pub fn takeuchi() -> Code {
+    let functions = "
+fn task_0() {
+    consume(3u);
+    let x = operand(0u);
+    let y = operand(1u);
+    let z = operand(2u);
+    if (bitcast<i32>(y) >= bitcast<i32>(x)) { literal(z); return; }
+    later(0u);
+    later(y);
+    later(x);
+    later(z - 1u);
+    later(0u | (3u << 16u));
+    later(x);
+    later(z);
+    later(y - 1u);
+    later(0u | (3u << 16u));
+    literal(x - 1u);
+    literal(y);
+    literal(z);
+    invoke = 0u;
+}";
+    code(functions, &[("tak", 3)], 13)
+}
+
 /// Hofstadter's female and male sequences: F(n) = n - M(F(n - 1)), M(n) = n - F(M(n - 1)).
 pub fn hofstadter() -> Code {
     let task = |number: u32, first: u32, other: u32| {

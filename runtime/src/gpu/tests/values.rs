@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::super::*;
 use super::programs::{
-    ackermann, branches, count, fib, fused, fused_value, gpu, grow, hofstadter, spin, total,
+    ackermann, branches, count, fib, fused, fused_value, gpu, grow, hofstadter, spin, takeuchi, total,
 };
 
 fn config(rewriter: Rewriter) -> Config {
@@ -99,6 +99,20 @@ fn mutual_recursion() {
     let outcome = value(&gpu, hofstadter(), config(Rewriter::Auto), &[n as u32]).unwrap();
     eprintln!("female(120): {:?}", outcome.stats);
     assert_eq!(outcome.words, [female[n] as u32]);
+}
+
+/// Lanes that outgrow their window give back the redexes that are far, so a round never waits for one lane.
+#[test]
+fn nested_calls_stay_parallel_at_any_depth() {
+    let Some(gpu) = gpu() else { return };
+    let rounds = |depth: u32| {
+        let config = Config { depth: Some(depth), ..config(Rewriter::Block) };
+        let outcome = value(&gpu, takeuchi(), config, &[12, 8, 4]).unwrap();
+        assert_eq!(outcome.words, [5]);
+        outcome.stats.rounds
+    };
+    let each: Vec<u64> = [1, 2, 4, 8, 16, 64].map(rounds).into();
+    assert!(each.windows(2).all(|pair| pair[1] <= pair[0]), "{each:?}");
 }
 
 #[test]

@@ -2,11 +2,11 @@
 //!
 //! SPIR-V lets a driver take float sums for exact ones unless they carry `NoContraction`, which WGSL cannot ask for, so
 //! Mesa makes `b` of `(a + b) - a` and `x` of `(x + C) - C`. Where a sum meets one of its own addends again, or two constants
-//! would meet, the inner sum goes through the runtime's `rounded`, which a driver cannot see through.
+//! would meet, the inner sum goes through the runtime's `rounded`, which a driver cannot see through. So does a divisor that is 0.
 
 use std::collections::HashMap;
 
-use crate::core::{Atom, Prim, Scalar, Var};
+use crate::core::{Atom, Const, Prim, Scalar, Var};
 
 /// Addends of the float sums that are known so far, their signs left out.
 #[derive(Default)]
@@ -29,10 +29,13 @@ impl Sums {
         }
     }
 
-    /// Which operands of an operation must have been rounded.
+    /// Which operands of an operation a driver must not know.
     pub fn rounded(&self, prim: Prim, on: Scalar, args: &[Atom]) -> [bool; 2] {
         let sensitive = matches!(prim, Prim::Add | Prim::Sub | Prim::Lt | Prim::Le | Prim::Eq | Prim::Ne);
+        let zero = |b: Atom| matches!(b, Atom::Const(Const::F32(bits)) if bits << 1 == 0);
         match args {
+            // llvmpipe makes of `x / 0` by a constant neither an infinity nor the same number twice.
+            &[_, b] if prim == Prim::Div && on == Scalar::F32 && zero(b) => [false, true],
             &[a, b] if sensitive && on == Scalar::F32 => [self.meets(a, b), self.meets(b, a)],
             _ => [false; 2],
         }

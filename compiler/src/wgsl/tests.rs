@@ -270,7 +270,7 @@ fn sums_are_rounded_where_a_driver_would_cancel() {
         ("  v4: f32 = sub.f32(v2, v0)\n", "= rounded(v2) - v0;"),
         ("  v4: f32 = sub.f32(v1, v2)\n", "= v1 - rounded(v2);"),
         ("  v3: f32 = neg.f32(v2)\n  v4: f32 = add.f32(v0, v3)\n", "= v0 + rounded(v3);"),
-        ("  v3: f32 = add.f32(v0, 0.5)\n  v4: f32 = sub.f32(v3, 0.25)\n", "= rounded(v3) - 0.25f;"),
+        ("  v3: f32 = add.f32(v0, 0.5)\n  v4: f32 = sub.f32(v3, 0.25)\n", "= rounded(v2) - 0.25f;"),
         ("  v4: f32 = div.f32(v2, 0.0)\n", "= v2 / rounded(0.0f);"),
         // Nothing to cancel.
         ("  v3: f32 = mul.f32(v2, v2)\n  v4: f32 = sub.f32(v2, v3)\n", "= v2 - v3;"),

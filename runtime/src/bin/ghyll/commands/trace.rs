@@ -12,6 +12,8 @@ use ghyll_runtime::machine::Job;
 
 /// Steps inside fused functions, all rounds together.
 const FUEL: u64 = 1 << 27;
+/// Tokens of a stream that nobody reads.
+const LONGEST: usize = 1 << 20;
 
 pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;
@@ -26,6 +28,12 @@ pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let streams = stream::rounds(&back.table, first, &host, FUEL);
     for (at, stream) in streams.take(arguments.rounds).enumerate() {
         let stream = stream.map_err(|why| Failure::Run(explained(&why)))?;
+        if stream.len() > LONGEST {
+            let tokens = stream.len();
+            return Err(Failure::Run(format!(
+                "the stream has grown to {tokens} tokens, too many to print; does the recursion end?"
+            )));
+        }
         crate::report::line!("s{at}: {}", stream::print(&back.table, &stream));
         last = stream;
     }

@@ -262,7 +262,8 @@ fn many_tasks_are_chosen_from_by_a_tree() {
 #[test]
 fn sums_are_rounded_where_a_driver_would_cancel() {
     let body = |statements: &str| {
-        let text = format!("entry main\n\nfn main(v0: f32, v1: f32) -> (f32) {{\n{statements}  yield v4\n}}\n");
+        let text =
+            format!("entry main\n\nfn main(v0: f32, v1: f32) -> (f32) {{\n{statements}  yield v4\n}}\n");
         written(&text).text
     };
     let sum = "  v2: f32 = add.f32(v0, v1)\n";

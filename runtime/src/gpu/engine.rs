@@ -107,12 +107,7 @@ pub(super) struct Job {
 
 impl Job {
     pub fn new() -> Job {
-        Job {
-            started: Instant::now(),
-            preparing: Duration::ZERO,
-            stats: Stats::default(),
-            latest: NO_TASK,
-        }
+        Job { started: Instant::now(), preparing: Duration::ZERO, stats: Stats::default(), latest: NO_TASK }
     }
 
     /// Time that counts against the limit.

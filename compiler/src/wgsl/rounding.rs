@@ -33,10 +33,10 @@ impl Sums {
     pub fn rounded(&self, prim: Prim, on: Scalar, args: &[Atom]) -> [bool; 2] {
         let sensitive = matches!(prim, Prim::Add | Prim::Sub | Prim::Lt | Prim::Le | Prim::Eq | Prim::Ne);
         let zero = |b: Atom| matches!(b, Atom::Const(Const::F32(bits)) if bits << 1 == 0);
-        match args {
+        match *args {
             // llvmpipe makes of `x / 0` by a constant neither an infinity nor the same number twice.
-            &[_, b] if prim == Prim::Div && on == Scalar::F32 && zero(b) => [false, true],
-            &[a, b] if sensitive && on == Scalar::F32 => [self.meets(a, b), self.meets(b, a)],
+            [_, b] if prim == Prim::Div && on == Scalar::F32 && zero(b) => [false, true],
+            [a, b] if sensitive && on == Scalar::F32 => [self.meets(a, b), self.meets(b, a)],
             _ => [false; 2],
         }
     }

@@ -36,13 +36,28 @@ pub enum Stopped {
     NotAnswered(String),
 }
 
+/// Variables of a called function whose room counts as a step, so that fuel bounds memory, too.
+const VARIABLES_OF_A_STEP: u64 = 16;
+
 /// Calls deeper than this give [`Stopped::TooDeep`]; run deep programs on a thread with a large stack.
 pub const MAX_DEPTH: u32 = 10_000;
 
 /// Value of the program's entry.
 pub fn run(program: &Program, args: &[Const], host: &dyn Host, fuel: u64) -> Result<Vec<Const>, Stopped> {
-    let mut machine = Machine { functions: &program.functions, host, fuel, depth: 0 };
-    machine.call(FnId(program.entry), args)
+    run_with(program, args, host, &mut { fuel })
+}
+
+/// As `run`; takes what it needs of the fuel.
+pub fn run_with(
+    program: &Program,
+    args: &[Const],
+    host: &dyn Host,
+    fuel: &mut u64,
+) -> Result<Vec<Const>, Stopped> {
+    let mut machine = Machine { functions: &program.functions, host, fuel: *fuel, depth: 0 };
+    let results = machine.call(FnId(program.entry), args);
+    *fuel = machine.fuel;
+    results
 }
 
 /// What one rewrite of a task leaves: one of its emissions, with the values its literals have.
@@ -121,8 +136,8 @@ impl Frame {
 }
 
 impl Machine<'_> {
-    fn spend(&mut self) -> Result<(), Stopped> {
-        self.fuel = self.fuel.checked_sub(1).ok_or(Stopped::OutOfFuel)?;
+    fn spend(&mut self, steps: u64) -> Result<(), Stopped> {
+        self.fuel = self.fuel.checked_sub(steps).ok_or(Stopped::OutOfFuel)?;
         Ok(())
     }
 
@@ -132,6 +147,7 @@ impl Machine<'_> {
             return Err(Stopped::TooDeep);
         }
         self.depth += 1;
+        self.spend(f.vars.len() as u64 / VARIABLES_OF_A_STEP)?;
         let mut frame = Frame::new(&f.vars, &f.params, args);
         let results = self.block(&mut frame, &f.body);
         self.depth -= 1;
@@ -145,7 +161,7 @@ impl Machine<'_> {
 
     fn stmts(&mut self, frame: &mut Frame, stmts: &[Stmt]) -> Result<(), Stopped> {
         for stmt in stmts {
-            self.spend()?;
+            self.spend(1)?;
             let values = self.op(frame, stmt)?;
             frame.bind(&stmt.dst, &values);
         }
@@ -178,7 +194,7 @@ impl Machine<'_> {
         let vars: Vec<_> = l.state.iter().map(|(v, _)| *v).collect();
         let mut state: Vec<_> = l.state.iter().map(|(_, init)| frame.get(*init)).collect();
         loop {
-            self.spend()?;
+            self.spend(1)?;
             frame.bind(&vars, &state);
             if self.block(frame, &l.cond)?.first() != Some(&Const::Bool(true)) {
                 return Ok(state);
@@ -188,7 +204,7 @@ impl Machine<'_> {
     }
 
     fn tail(&mut self, frame: &mut Frame, block: &TailBlock) -> Result<Exit, Stopped> {
-        self.spend()?;
+        self.spend(1)?;
         self.stmts(frame, &block.stmts)?;
         match &block.tail {
             Tail::Emit(emission) => Ok(Exit::Emit(frame.emission(emission))),

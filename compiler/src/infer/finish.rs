@@ -83,6 +83,9 @@ impl Finish<'_, '_> {
     }
 
     fn ty(&mut self, ty: Ty, span: Span) -> Type {
+        if self.infer.env.written.get() > MOST_WRITTEN {
+            return Type::Error;
+        }
         loop {
             match self.infer.table.export(ty) {
                 Ok(ty) => {

@@ -16,6 +16,9 @@ use crate::typed::Type;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+/// Candidates whose joining counts as the work of a statement.
+const CANDIDATES_OF_A_STATEMENT: usize = 16;
+
 impl<'m> Lower<'m> {
     /// The outline that both values can take on.
     pub fn join(&mut self, a: &Value<'m>, b: &Value<'m>, ty: &Type) -> Value<'m> {
@@ -140,6 +143,7 @@ impl<'m> Lower<'m> {
 
     /// Tag and payload of a value with a head of its own.
     fn chosen(&mut self, value: &Value<'m>, candidates: &[Value<'m>], ty: &Type) -> (Atom, Vec<Atom>) {
+        self.work(candidates.len() / CANDIDATES_OF_A_STATEMENT);
         let head = head(value);
         let tag = candidates.iter().position(|c| self::head(c) == head).expect("a join has every head");
         let value = match (value, &candidates[tag]) {

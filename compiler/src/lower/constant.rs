@@ -3,20 +3,24 @@
 use super::value::Value;
 use super::words::dissect_any;
 use super::{Builder, Env, Lower};
-use crate::core::{Atom, Block, Function, Mark, Op, Program};
+use crate::core::{Atom, Block, Const, Function, Mark, Op, Program, Scalar};
 use crate::interpret::{self, NoHost};
 use crate::layout;
 use crate::typed::ConstId;
 
 /// Steps that a constant may take; a longer one is evaluated where it is used.
 const FUEL: u64 = 2_000_000;
+/// Steps that all constants may take.
+pub(super) const ALL_FUEL: u64 = 20_000_000;
 
 impl<'m> Lower<'m> {
     pub(super) fn constant(&mut self, id: ConstId) -> Value<'m> {
         if let Some(known) = self.constants.get(&id) {
             return known.clone();
         }
-        let value = self.computed(id).unwrap_or_else(|| {
+        let computed = if self.uncomputed.contains(&id) { None } else { self.computed(id) };
+        let value = computed.unwrap_or_else(|| {
+            self.uncomputed.insert(id);
             let definition = &self.module.consts[id.0 as usize];
             self.expr(&definition.value, &mut Env::default())
         });
@@ -33,6 +37,20 @@ impl<'m> Lower<'m> {
         let mut apart = Lower::new(self.module, self.settings, self.yields.clone());
         apart.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
         apart.functions.push(None);
+        (apart.fuel, apart.spent) = (self.fuel, self.spent);
+        let words = self.computed_apart(&mut apart, id, results);
+        (self.fuel, self.spent) = (apart.fuel, apart.spent);
+        self.work(0);
+        if apart.grown {
+            self.grown = true;
+            self.yields = apart.yields;
+        }
+        Some(self.unflatten(&definition.ty, &mut words?.into_iter().map(Atom::Const)))
+    }
+
+    /// The words of a constant, which `apart` lowers.
+    fn computed_apart(&self, apart: &mut Self, id: ConstId, results: Vec<Scalar>) -> Option<Vec<Const>> {
+        let definition = &self.module.consts[id.0 as usize];
         let value = apart.expr(&definition.value, &mut Env::default());
         if !apart.errors.is_empty() {
             return None;
@@ -54,14 +72,15 @@ impl<'m> Lower<'m> {
         });
         apart.drain().ok()?;
         if apart.grown {
-            self.grown = true;
-            self.yields = apart.yields;
             return None;
         }
-        let functions = apart.finish().ok()?;
+        let functions = apart.functions_made().ok()?;
         let program = Program { functions, entry: 0, live: Vec::new() };
-        let words = interpret::run(&program, &[], &NoHost, FUEL).ok()?;
-        Some(self.unflatten(&definition.ty, &mut words.into_iter().map(Atom::Const)))
+        let given = apart.fuel.min(FUEL);
+        let mut left = given;
+        let words = interpret::run_with(&program, &[], &NoHost, &mut left);
+        apart.fuel -= given - left;
+        words.ok()
     }
 }
 

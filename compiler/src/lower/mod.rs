@@ -30,9 +30,10 @@ use crate::scalar;
 use crate::source::Span;
 use crate::typed::{ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
 use call::{Application, Callee, Frame};
+use rustc_hash::FxHashMap;
 pub use slot::Slot;
 use specialise::{Job, Key};
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::rc::Rc;
 use value::Value;
 
@@ -64,6 +65,8 @@ pub struct Setting {
 
 /// More statements than this are refused: a program that grows so by specialisation is a mistake.
 const STATEMENT_LIMIT: usize = 400_000;
+/// Statements that may be lowered in all rounds, and joins of function values that count as such.
+const WORK_LIMIT: usize = 4 * STATEMENT_LIMIT;
 /// Operands, and nodes of types, that count as a statement.
 const WORDS_OF_A_STATEMENT: usize = 8;
 /// Bodies put in place of calls inside each other; deeper calls are calls.
@@ -76,9 +79,11 @@ pub fn lower(
     asked: Asked,
     settings: &Settings,
 ) -> Result<Program, Vec<Diagnostic>> {
-    let mut yields = HashMap::new();
+    let mut yields = FxHashMap::default();
+    let mut spent = 0;
     let mut lower = loop {
         let mut lower = Lower::new(module, settings, yields);
+        lower.spent = spent;
         lower.number_live()?;
         match asked {
             Asked::Plainly => lower.entry(entry)?,
@@ -89,18 +94,19 @@ pub fn lower(
             break lower;
         }
         yields = lower.yields;
+        spent = lower.spent;
     };
     if !lower.endless.is_empty() {
         return Err(lower.endless.into_iter().map(endless).collect());
     }
     let live = std::mem::take(&mut lower.live_names);
-    let functions = lower.finish()?;
+    let functions = lower.functions_made()?;
     Ok(Program { functions, entry: 0, live })
 }
 
 /// Live parameters of function type, and what they can hold.
 pub fn slots(module: &Module, settings: &Settings) -> Result<Vec<Slot>, Vec<Diagnostic>> {
-    let mut lower = Lower::new(module, settings, HashMap::new());
+    let mut lower = Lower::new(module, settings, FxHashMap::default());
     lower.number_live()?;
     Ok(lower.slots.iter().map(|(id, candidates)| candidates.describe(*id)).collect())
 }
@@ -109,11 +115,13 @@ struct Lower<'m> {
     module: &'m Module,
     settings: &'m Settings,
     functions: Vec<Option<Function>>,
-    known: HashMap<Key, FnId>,
+    known: FxHashMap<Key, FnId>,
     names: HashMap<String, u32>,
     queue: VecDeque<Job<'m>>,
     builder: Builder,
     statements: usize,
+    /// Work of this round and those before it.
+    spent: usize,
     /// Bodies being lowered, one in another.
     frames: Vec<Frame>,
     errors: Vec<Diagnostic>,
@@ -128,8 +136,12 @@ struct Lower<'m> {
     called: Option<Span>,
     /// Constants already computed.
     constants: HashMap<ConstId, Value<'m>>,
+    /// Constants that cannot be computed, or not soon.
+    uncomputed: HashSet<ConstId>,
+    /// Steps that constants may still take.
+    fuel: u64,
     /// Outlines of what specialisations yield that yield functions, as far as known.
-    yields: HashMap<Key, Value<'m>>,
+    yields: FxHashMap<Key, Value<'m>>,
     /// More became known in this pass: what was lowered with less is void.
     grown: bool,
     /// Functions of which no way to an end is known, with their places.
@@ -152,16 +164,17 @@ struct Env<'m> {
 }
 
 impl<'m> Lower<'m> {
-    fn new(module: &'m Module, settings: &'m Settings, yields: HashMap<Key, Value<'m>>) -> Lower<'m> {
+    fn new(module: &'m Module, settings: &'m Settings, yields: FxHashMap<Key, Value<'m>>) -> Lower<'m> {
         Lower {
             module,
             settings,
             functions: Vec::new(),
-            known: HashMap::new(),
+            known: FxHashMap::default(),
             names: HashMap::new(),
             queue: VecDeque::new(),
             builder: Builder::default(),
             statements: 0,
+            spent: 0,
             frames: Vec::new(),
             errors: Vec::new(),
             derivatives: HashMap::new(),
@@ -170,6 +183,8 @@ impl<'m> Lower<'m> {
             live_names: Vec::new(),
             slots: BTreeMap::new(),
             constants: HashMap::new(),
+            uncomputed: HashSet::new(),
+            fuel: constant::ALL_FUEL,
             called: None,
             yields,
             grown: false,
@@ -187,8 +202,8 @@ impl<'m> Lower<'m> {
     }
 
     /// All functions once none is queued, with the derivatives that they call.
-    fn finish(self) -> Result<Vec<Function>, Vec<Diagnostic>> {
-        let mut functions = self.functions;
+    fn functions_made(&mut self) -> Result<Vec<Function>, Vec<Diagnostic>> {
+        let mut functions = std::mem::take(&mut self.functions);
         derive::fill(&mut functions, &self.requests)?;
         Ok(functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect())
     }
@@ -274,22 +289,26 @@ impl<'m> Lower<'m> {
     /// Counts an operation, or a body that is put in the place of a call: values that hold functions can grow beyond all
     /// bounds without any operation.
     fn spend(&mut self, statements: usize) {
-        let before = self.statements;
         self.statements += statements;
-        if before < STATEMENT_LIMIT && self.statements >= STATEMENT_LIMIT {
-            let span = self.module.functions.first().map(|f| f.span);
-            if let Some(span) = span {
-                self.error(
-                    Diagnostic::error(
-                        codes::TOO_MUCH_CODE,
-                        span,
-                        "the program is too large once it is specialised",
-                    )
-                    .label(format!("more than {STATEMENT_LIMIT} operations"))
-                    .help("function values and type arguments multiply code: pass plain values instead"),
-                );
-            }
+        self.work(statements);
+    }
+
+    /// Counts what costs time only.
+    fn work(&mut self, statements: usize) {
+        self.spent += statements;
+        if !self.is_spent() || !self.errors.is_empty() {
+            return;
         }
+        let Some(span) = self.module.functions.first().map(|f| f.span) else { return };
+        self.error(
+            Diagnostic::error(codes::TOO_MUCH_CODE, span, "the program is too large once it is specialised")
+                .label(format!("more than {STATEMENT_LIMIT} operations"))
+                .help("function values and type arguments multiply code: pass plain values instead"),
+        );
+    }
+
+    fn is_spent(&self) -> bool {
+        self.statements >= STATEMENT_LIMIT || self.spent >= WORK_LIMIT
     }
 
     /// A scalar operation, computed now if all operands are constants.
@@ -326,7 +345,7 @@ impl<'m> Lower<'m> {
     }
 
     fn too_large(&self) -> bool {
-        self.statements >= STATEMENT_LIMIT || !self.errors.is_empty()
+        self.is_spent() || !self.errors.is_empty()
     }
 }
 

@@ -8,12 +8,12 @@ use super::call::{Application, Callee, Frame};
 use super::shape::Shape;
 use super::value::{Closure, Value};
 use super::words::{dissect_any, rebuild_any, shape};
-use super::{Builder, Lower, WORDS_OF_A_STATEMENT};
+use super::{Builder, Lower, STATEMENT_LIMIT, WORDS_OF_A_STATEMENT};
 use crate::codes;
 use crate::core::{Atom, Block, FnId, Function, Intrinsic, Mark, Op, Scalar, Var};
 use crate::diagnostic::Diagnostic;
 use crate::layout;
-use crate::resolve::size::substituted_nodes;
+use crate::resolve::size::{MAX_NODES, substituted_nodes};
 use crate::source::Span;
 use crate::typed::{self, FunctionId, Type};
 
@@ -114,7 +114,8 @@ impl<'m> Lower<'m> {
             Callee::Value(_) => 0,
         };
         let types = at.params.iter().map(|t| substituted_nodes(t, &[])).sum::<u64>() + types;
-        self.spend(1 + (words.len() + types as usize) / WORDS_OF_A_STATEMENT);
+        let types = if types > MAX_NODES { STATEMENT_LIMIT * WORDS_OF_A_STATEMENT } else { types as usize };
+        self.spend(1 + (words.len() + types) / WORDS_OF_A_STATEMENT);
         let id = FnId(self.functions.len() as u32);
         self.functions.push(None);
         self.known.insert(key.clone(), id);

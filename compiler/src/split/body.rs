@@ -14,7 +14,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::live::{copy, free, prune, sink, tail_size, vars_of};
+use super::live::{copy, free, is_cheap, prune, sink, tail_size, vars_of};
 use crate::core::names::Names;
 use crate::core::walk::{Free, Renumber, calls_any, free_in_stmt, uses};
 use crate::core::{Atom, Block, Function, Mark, Op, Stmt, Var};
@@ -25,6 +25,9 @@ const SMALL_JOIN: usize = 12;
 
 /// Tokens of an emission beyond which calls wait for the continuation, because windows are small.
 const LONGEST: usize = 64;
+
+/// Levels of a block up to which `sink` alone moves statements.
+const FEW_LEVELS: usize = 16;
 
 /// A task before it gets its number and name; token ids are indices of drafts.
 pub struct Draft {
@@ -82,6 +85,8 @@ struct Group {
 struct Level {
     /// Depend on no task call but those of earlier levels.
     before: Vec<Stmt>,
+    /// Moved here to come before those, last one first.
+    early: Vec<Stmt>,
     /// Task calls, and `if`s with task calls inside, that depend on no others.
     ready: Vec<Stmt>,
     /// Tokens that the calls put into an emission.
@@ -141,7 +146,7 @@ impl Splitter<'_> {
     }
 
     /// The statements by level. The last level has no calls.
-    fn levels(&self, stmts: Vec<Stmt>) -> Vec<Level> {
+    fn levels(&self, stmts: Vec<Stmt>, results: &[Atom]) -> Vec<Level> {
         let mut levels = vec![Level::default()];
         // The level at which a variable is known, if that is not the first.
         let mut known: FxHashMap<Var, usize> = FxHashMap::default();
@@ -175,11 +180,12 @@ impl Splitter<'_> {
             levels[at].tokens += tokens;
             levels[at].ready.push(stmt);
         }
+        late(&mut levels, results);
         levels
     }
 
     fn block(&mut self, f: usize, block: Block, finish: &Finish) -> TailBlock {
-        let mut levels = self.levels(block.stmts);
+        let mut levels = self.levels(block.stmts, &block.results);
         let Level { before, .. } = levels.pop().unwrap_or_default();
         let mut after = match &finish.join {
             Some(join) if !before.is_empty() => {
@@ -321,6 +327,50 @@ impl Splitter<'_> {
         self.is_task.push(true);
         self.roots.push(None);
         (self.functions.len() - 1, args)
+    }
+}
+
+/// Moves what takes one variable and is first needed at a later level there, which keeps as many words live. `sink`
+/// does the same level by level, and nothing that is evaluated early keeps calls apart; but it takes as long as levels times statements.
+fn late(levels: &mut [Level], results: &[Atom]) {
+    if levels.len() <= FEW_LEVELS {
+        return;
+    }
+    let last = levels.len() - 1;
+    let mut needed: FxHashMap<Var, usize> = vars_of(results).map(|v| (v, last)).collect();
+    for at in (0..=last).rev() {
+        for stmt in &levels[at].ready {
+            uses(stmt, &mut |v| {
+                needed.insert(v, at);
+            });
+        }
+        let mut before = std::mem::take(&mut levels[at].before);
+        let mut moved: Vec<(usize, Stmt)> = Vec::new();
+        for i in (0..before.len()).rev() {
+            let stmt = &before[i];
+            let first = stmt.dst.iter().filter_map(|v| needed.get(v)).min().copied().unwrap_or(at);
+            let moves = first > at && is_cheap(stmt) && free_in_stmt(stmt).len() == 1;
+            let place = if moves { first } else { at };
+            uses(stmt, &mut |v| {
+                let known = needed.entry(v).or_insert(place);
+                *known = place.min(*known);
+            });
+            if moves {
+                let stmt = std::mem::replace(&mut before[i], Stmt { dst: Vec::new(), op: Op::Live(0) });
+                moved.push((first, stmt));
+            }
+        }
+        before.retain(|stmt| !stmt.dst.is_empty());
+        levels[at].before = before;
+        // The last one first, so that each lands before what it is needed by.
+        for (place, stmt) in moved {
+            levels[place].early.push(stmt);
+        }
+    }
+    for level in levels {
+        level.early.reverse();
+        level.early.append(&mut level.before);
+        level.before = std::mem::take(&mut level.early);
     }
 }
 

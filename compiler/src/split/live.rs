@@ -166,7 +166,7 @@ fn cone(before: &[Stmt], at: usize, live: &FxHashSet<Var>, places: &FxHashMap<Va
     parts
 }
 
-fn is_cheap(stmt: &Stmt) -> bool {
+pub fn is_cheap(stmt: &Stmt) -> bool {
     match &stmt.op {
         Op::Prim(prim, ..) => prim.row().cost <= CHEAP,
         Op::Live(_) => true,

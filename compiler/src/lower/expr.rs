@@ -1,7 +1,9 @@
 //! Expressions.
 
+use super::constant::has_only_constants;
 use super::value::{Capture, Closure, Lambda, Value};
-use super::{Env, Lower};
+use super::value::{MOST_WEIGHT, weight_of};
+use super::{Env, Lower, WORK_LIMIT};
 use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout;
 use crate::source::Span;
@@ -32,8 +34,19 @@ impl<'m> Lower<'m> {
                     let value = env.locals.get(local)?.clone();
                     Some(Capture { local: *local, ty: env.ty(ty), value })
                 };
-                let captures = free.iter().filter_map(capture).collect();
-                Value::function(Closure::Lambda(Lambda { params, body, captures, types: env.types.clone() }))
+                let captures: Vec<Capture> = free.iter().filter_map(capture).collect();
+                let weight = weight_of(&captures);
+                if weight > MOST_WEIGHT {
+                    self.work(WORK_LIMIT);
+                    return Value::Never;
+                }
+                Value::function(Closure::Lambda(Lambda {
+                    params,
+                    body,
+                    captures,
+                    weight,
+                    types: env.types.clone(),
+                }))
             }
             ExprKind::Call(callee, args) => self.call(expr, callee, args, env),
             ExprKind::Unary(op, a) => self.unary(*op, a, env),
@@ -115,12 +128,19 @@ impl<'m> Lower<'m> {
 
     /// The parameter's value, fixed now.
     pub(super) fn fixed(&mut self, id: ParamId) -> Value<'m> {
+        if let Some(known) = self.fixed.get(&id) {
+            return known.clone();
+        }
         let settings = self.settings;
         let value = match settings.set.get(&id) {
             Some(setting) => &setting.value,
             None => &self.module.params[id.0 as usize].default,
         };
-        self.expr(value, &mut Env::default())
+        let value = self.expr(value, &mut Env::default());
+        if has_only_constants(&value) {
+            self.fixed.insert(id, value.clone());
+        }
+        value
     }
 
     fn unary(&mut self, op: UnaryOp, a: &'m Expr, env: &mut Env<'m>) -> Value<'m> {

@@ -136,6 +136,8 @@ struct Lower<'m> {
     called: Option<Span>,
     /// Constants already computed.
     constants: HashMap<ConstId, Value<'m>>,
+    /// Parameters that are fixed and already known.
+    fixed: HashMap<ParamId, Value<'m>>,
     /// Constants that cannot be computed, or not soon.
     uncomputed: HashSet<ConstId>,
     /// Steps that constants may still take.
@@ -183,6 +185,7 @@ impl<'m> Lower<'m> {
             live_names: Vec::new(),
             slots: BTreeMap::new(),
             constants: HashMap::new(),
+            fixed: HashMap::new(),
             uncomputed: HashSet::new(),
             fuel: constant::ALL_FUEL,
             called: None,

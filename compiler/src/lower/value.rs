@@ -41,6 +41,8 @@ pub struct Lambda<'m> {
     pub params: &'m [LocalId],
     pub body: &'m Expr,
     pub captures: Vec<Capture<'m>>,
+    /// Of the captures: [`weight_of`].
+    pub weight: usize,
     /// Type arguments of the function that it stands in.
     pub types: Rc<Vec<Type>>,
 }
@@ -50,6 +52,14 @@ pub struct Capture<'m> {
     pub local: LocalId,
     pub ty: Type,
     pub value: Value<'m>,
+}
+
+/// Parts of a function value beyond which none is made: values share parts, so that each may hold the last one twice.
+pub const MOST_WEIGHT: usize = 1_000_000;
+
+/// Parts of captured values, shared ones counted each time.
+pub fn weight_of(captures: &[Capture]) -> usize {
+    captures.iter().fold(1, |n, capture| n.saturating_add(capture.value.weight()))
 }
 
 impl<'m> Closure<'m> {
@@ -69,9 +79,10 @@ impl<'m> Lambda<'m> {
     /// The same lambda with other captured values.
     pub fn with(&self, values: impl Iterator<Item = Value<'m>>) -> Value<'m> {
         let captures = self.captures.iter().zip(values);
-        let captures =
-            captures.map(|(c, value)| Capture { local: c.local, ty: c.ty.clone(), value }).collect();
-        Value::function(Closure::Lambda(Lambda { captures, types: self.types.clone(), ..*self }))
+        let capture = |(c, value): (&Capture<'m>, _)| Capture { local: c.local, ty: c.ty.clone(), value };
+        let captures: Vec<Capture> = captures.map(capture).collect();
+        let weight = weight_of(&captures);
+        Value::function(Closure::Lambda(Lambda { captures, weight, types: self.types.clone(), ..*self }))
     }
 }
 
@@ -82,6 +93,22 @@ impl<'m> Value<'m> {
 
     pub fn function(closure: Closure<'m>) -> Value<'m> {
         Value::Function(Rc::new(closure))
+    }
+
+    fn weight(&self) -> usize {
+        let sum = |parts: &[Value]| parts.iter().fold(1usize, |n, part| n.saturating_add(part.weight()));
+        match self {
+            Value::Group(parts) => sum(parts),
+            Value::Variant(_, parts) => sum(parts),
+            Value::Function(closure) => match &**closure {
+                Closure::Lambda(lambda) => lambda.weight,
+                Closure::Derivative(f) => f.weight().saturating_add(1),
+                _ => 1,
+            },
+            Value::Choice(candidates, _, payload) => sum(candidates).saturating_add(payload.len()),
+            Value::Enum(_, payload) => 1 + payload.len(),
+            Value::Atom(_) | Value::Never => 1,
+        }
     }
 
     pub fn atom(&self) -> Atom {

@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn a_wrong_step_of_the_compiler_is_found_and_shrunk() {
         let ghyll = Ghyll::planted(subtract_the_other_way);
-        let found = search(&ghyll, &[Mode::CpuLane], 7, 200).expect_err("planted");
+        let found = search(&ghyll, &[Mode::CpuLane], 4, 200).expect_err("planted");
         assert!(found.text.contains(" - "), "{}", found.text);
         let own: usize = found.text.lines().filter(|l| l.contains("_0")).map(str::len).sum();
         assert!(own < 400, "not shrunk: {}", found.text);

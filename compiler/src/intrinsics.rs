@@ -55,6 +55,11 @@ intrinsics! {
     TraceBilinear "trace_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
     OccludedTriangulated "occluded_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
     OccludedBilinear "occluded_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
+    // Bounds of every surface above over a box: (x0, y0, x1, y1) -> z.
+    Highest "highest" (F32, F32, F32, F32) -> (F32) 40;
+    Lowest "lowest" (F32, F32, F32, F32) -> (F32) 40;
+    // Whether the cell at (x, y) touches a missing sample: rays pass through it.
+    Hole "hole" (F32, F32) -> (Bool) 20;
     // Primary ray through pixel position (x, y): (origin, direction, near, far).
     Camera "camera" (F32, F32) -> (F32, F32, F32, F32, F32, F32, F32, F32) 40;
     // A pixel's width at distance t is r0 + r1 * t.

@@ -1,10 +1,10 @@
-//! The scene on the device: bind group 1 of every program that asks for terrain, and the maximum mipmap built there.
+//! The scene on the device: bind group 1 of every program that asks for terrain, and the mipmaps of bounds built there.
 //!
-//! The pyramid is made level by level by `shaders/terrain/pyramid.wgsl` and equals [`crate::terrain::Pyramid`] bit for bit.
+//! A pyramid is made level by level by `shaders/terrain/pyramid.wgsl` and equals [`crate::terrain::Pyramid`] bit for bit.
 
 use crate::gpu::Gpu;
 use crate::terrain::layout::SceneUniform;
-use crate::terrain::pyramid::{Level, levels};
+use crate::terrain::pyramid::{Level, Side, levels};
 use crate::terrain::raster::Texels;
 use crate::terrain::wgsl::{Format, Uses, pyramid_stage};
 use crate::terrain::{Layer, Scene, Terrain};
@@ -46,6 +46,7 @@ pub struct GpuTerrain {
     samples: Option<wgpu::Buffer>,
     bounds: Option<wgpu::Buffer>,
     rasters: Option<wgpu::Buffer>,
+    floors: Option<wgpu::Buffer>,
 }
 
 impl GpuTerrain {
@@ -66,8 +67,8 @@ impl GpuTerrain {
             contents: bytemuck::bytes_of(scene.uniform()),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
-        let (mut samples, mut bounds, mut rasters) = (None, None, None);
-        if uses.samples || uses.bounds {
+        let (mut samples, mut bounds, mut rasters, mut floors) = (None, None, None, None);
+        if uses.samples || uses.bounds || uses.floors {
             let words = scene.sample_words();
             fits("the field's samples", "cut or reduce the field", 4 * words.len() as u64)?;
             let buffer = device.create_buffer_init(&BufferInitDescriptor {
@@ -75,7 +76,9 @@ impl GpuTerrain {
                 contents: bytemuck::cast_slice(&words),
                 usage: wgpu::BufferUsages::STORAGE,
             });
-            bounds = uses.bounds.then(|| build_pyramid(device, queue, scene.terrain(), &buffer));
+            let pyramid = |side| build_pyramid(device, queue, (scene.terrain(), side), &buffer);
+            bounds = uses.bounds.then(|| pyramid(Side::Above));
+            floors = uses.floors.then(|| pyramid(Side::Below));
             samples = uses.samples.then_some(buffer);
         }
         if uses.rasters {
@@ -88,7 +91,8 @@ impl GpuTerrain {
                 mapped_at_creation: false,
             }));
         }
-        let terrain = GpuTerrain { field: scene.terrain().clone(), scene: record, samples, bounds, rasters };
+        let field = scene.terrain().clone();
+        let terrain = GpuTerrain { field, scene: record, samples, bounds, rasters, floors };
         if let Some(rasters) = &terrain.rasters {
             queue.write_buffer(rasters, 0, bytemuck::cast_slice(&scene.layers().records()));
             for (slot, layer) in scene.layers().iter() {
@@ -115,10 +119,11 @@ impl GpuTerrain {
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Bytes on the device: scene record, samples, bounds, rasters.
+    /// Bytes on the device: scene record, samples, bounds of both sides, rasters.
     pub fn bytes(&self) -> [u64; 4] {
         let size = |buffer: &Option<wgpu::Buffer>| buffer.as_ref().map_or(0, wgpu::Buffer::size);
-        [self.scene.size(), size(&self.samples), size(&self.bounds), size(&self.rasters)]
+        let bounds = size(&self.bounds) + size(&self.floors);
+        [self.scene.size(), size(&self.samples), bounds, size(&self.rasters)]
     }
 
     /// Layout of bind group 1 with the bindings that there are buffers for.
@@ -142,7 +147,8 @@ impl GpuTerrain {
 
     /// Every buffer with its binding.
     fn buffers(&self) -> Vec<(u32, &wgpu::Buffer)> {
-        let all = [Some(&self.scene), self.samples.as_ref(), self.bounds.as_ref(), self.rasters.as_ref()];
+        let read = [&self.samples, &self.bounds, &self.rasters, &self.floors].map(Option::as_ref);
+        let all = std::iter::once(Some(&self.scene)).chain(read);
         (0..).zip(all).filter_map(|(binding, buffer)| Some((binding, buffer?))).collect()
     }
 }
@@ -215,7 +221,7 @@ fn plan(levels: &[Level], row: u32, nodes_in_word: u32) -> Vec<(Step, u32)> {
 fn build_pyramid(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    terrain: &Terrain,
+    (terrain, side): (&Terrain, Side),
     samples: &wgpu::Buffer,
 ) -> wgpu::Buffer {
     let format = Format::of(terrain);
@@ -238,7 +244,7 @@ fn build_pyramid(
             entry(2, wgpu::BufferBindingType::Storage { read_only: false }, 4),
         ],
     });
-    let pipeline = pyramid_pipeline(device, &layout, format);
+    let pipeline = pyramid_pipeline(device, &layout, pyramid_stage(format, side));
     let mut encoder =
         device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pyramid") });
     for (step, words) in plan(&levels, terrain.width, nodes_in_word) {
@@ -261,11 +267,11 @@ fn build_pyramid(
 fn pyramid_pipeline(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    format: Format,
+    text: String,
 ) -> wgpu::ComputePipeline {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("pyramid"),
-        source: wgpu::ShaderSource::Wgsl(pyramid_stage(format).into()),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
     });
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("pyramid"),

@@ -14,6 +14,7 @@ pub mod layout;
 mod patch;
 pub mod pyramid;
 pub mod raster;
+mod range;
 mod ray;
 pub mod scene;
 mod surface;

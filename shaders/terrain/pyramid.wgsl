@@ -1,5 +1,5 @@
-// Stage pyramid: one level of the maximum mipmap from the one below, level 1 from the samples. An invocation writes one
-// word. FORMAT_WORD stands for the nodes in a word: two of 16 bits or one of 32. Twin: `terrain::pyramid`.
+// Stage pyramid: one level of a mipmap of bounds from the one below, level 1 from the samples. An invocation writes one
+// word: two nodes of 16 bits or one of 32. OUTER stands for `max` or `min`. Twin: `terrain::pyramid`.
 struct PyramidStep {
     // Samples in a row.
     row: u32,
@@ -18,31 +18,30 @@ struct PyramidStep {
 @group(0) @binding(1) var<storage, read> samples: array<u32>;
 @group(0) @binding(2) var<storage, read_write> bounds: array<u32>;
 
-// Bound of a cell: void if it touches a void.
 fn cell_bound(i: u32, j: u32) -> i32 {
     let at = j * step.row + i;
-    let a = sample_key(at);
-    let b = sample_key(at + 1u);
-    let c = sample_key(at + step.row);
-    let d = sample_key(at + step.row + 1u);
-    let lowest = min(min(a, b), min(c, d));
-    return select(max(max(a, b), max(c, d)), VOID_KEY, lowest == VOID_KEY);
+    let south = OUTER(sample_key(at), sample_key(at + 1u));
+    let north = OUTER(sample_key(at + step.row), sample_key(at + step.row + 1u));
+    return OUTER(south, north);
+}
+
+fn child_bound(i: u32, j: u32) -> i32 {
+    if step.first == 1u {
+        return cell_bound(i, j);
+    }
+    return bound_key(step.below_offset + j * step.below_width + i);
 }
 
 fn node_bound(node: u32) -> i32 {
     let x = node % step.width;
     let y = node / step.width;
-    var bound = VOID_KEY;
     if y >= step.height {
-        return bound;
+        return 0;
     }
+    var bound = child_bound(2u * x, 2u * y);
     for (var j = 2u * y; j < min(2u * y + 2u, step.below_height); j++) {
         for (var i = 2u * x; i < min(2u * x + 2u, step.below_width); i++) {
-            if step.first == 1u {
-                bound = max(bound, cell_bound(i, j));
-            } else {
-                bound = max(bound, bound_key(step.below_offset + j * step.below_width + i));
-            }
+            bound = OUTER(bound, child_bound(i, j));
         }
     }
     return bound;

@@ -1,7 +1,6 @@
 // Keys order like the heights they stand for: the bits of a float, those below zero turned over. Integers keep every bit
 // where float arithmetic might flush a denormal.
 const NODES_IN_WORD = 1u;
-const VOID_KEY = -2139095040i;
 
 fn key(word: u32) -> i32 {
     let bits = bitcast<i32>(word);

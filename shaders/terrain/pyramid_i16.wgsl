@@ -1,6 +1,5 @@
 // Keys order like the heights they stand for.
 const NODES_IN_WORD = 2u;
-const VOID_KEY = -32768i;
 
 fn key(word: u32, index: u32) -> i32 {
     return extractBits(bitcast<i32>(word), (index & 1u) * 16u, 16u);

@@ -22,7 +22,8 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         Triangulated => Jacobian::Given(GradientTriangulated),
         Nearest | TwistBilinear | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
-        TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
+        Hole => Jacobian::Flat,
+        Highest | Lowest | TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
         // Of a raster or a baked function.
         Raster1 => Jacobian::Given(GradientRaster1),
         Raster2 => Jacobian::Given(GradientRaster2),

@@ -34,7 +34,7 @@ fn read(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Ve
     bytemuck::cast_slice(&mapped).to_vec()
 }
 
-const PYRAMID: Uses = Uses { scene: true, samples: false, bounds: true, rasters: false };
+const PYRAMID: Uses = Uses { scene: true, samples: false, bounds: true, rasters: false, floors: true };
 
 fn scene(terrain: Terrain) -> Scene {
     Scene::new(Arc::new(terrain), &SceneOptions::default()).unwrap()
@@ -63,7 +63,7 @@ fn only_what_is_used_is_uploaded() {
     let bytes = |uses| GpuTerrain::new(&device, &queue, &scene, uses).unwrap().bytes();
     let none = bytes(Uses { scene: true, ..Uses::default() });
     assert_eq!(none[1..], [0, 0, 0]);
-    let all = bytes(Uses { scene: true, samples: true, bounds: true, rasters: true });
+    let all = bytes(Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true });
     assert_eq!((all[1], all[3]), (9 * 9 * 4, 4 * scene.layers().size()));
     assert!(all[2] > 0);
 }
@@ -86,15 +86,17 @@ fn the_pyramid_equals_its_twin() {
     for terrain in fields {
         let scene = scene(terrain);
         let gpu = GpuTerrain::new(&device, &queue, &scene, PYRAMID).unwrap();
-        let expected = scene.bound_words();
-        let found = read(&device, &queue, gpu.bounds.as_ref().unwrap());
-        if scene.pyramid().top() > 0 {
-            // Padding nodes are not written.
-            let differ = same_bounds(&scene, &expected, &found);
-            assert!(differ.is_empty(), "{differ:?}");
-            let mut planted = found.clone();
-            planted[0] ^= 1;
-            assert_eq!(same_bounds(&scene, &expected, &planted), [0]);
+        for (side, buffer) in [(Side::Above, &gpu.bounds), (Side::Below, &gpu.floors)] {
+            let expected = scene.bound_words(side);
+            let found = read(&device, &queue, buffer.as_ref().unwrap());
+            if scene.pyramid().top() > 0 {
+                // Padding nodes are not written.
+                let differ = same_bounds(&scene, &expected, &found);
+                assert!(differ.is_empty(), "{side:?} {differ:?}");
+                let mut planted = found.clone();
+                planted[0] ^= 1;
+                assert_eq!(same_bounds(&scene, &expected, &planted), [0]);
+            }
         }
     }
 }
@@ -217,6 +219,12 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
                 args.extend([slot, around(unit(), w), around(unit(), h)]);
             }
             2 => args.extend([unit() * w, unit() * h]),
+            // Boxes of every size, also beyond the rim.
+            4 => {
+                let size = unit() * unit() * unit();
+                let [x, y] = [unit() * 1.2 - 0.1, unit() * 1.2 - 0.1];
+                args.extend([x * w, y * h, (x + size * unit()) * w, (y + size * unit()) * h]);
+            }
             8 => {
                 let from =
                     [(unit() * 2.0 - 0.5) * w, (unit() * 2.0 - 0.5) * h, lo + 2.0 * unit() * (hi - lo)];

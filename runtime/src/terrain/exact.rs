@@ -86,6 +86,24 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Lowest and highest corner of the cells that a box `[x0, y0, x1, y1]` touches; a void has the field's lowest height.
+    pub fn bounds(&self, ends: &[f64]) -> [f64; 2] {
+        let grid = |axis: usize, w: f64| (w / self.spacing[axis]).max(0.0).min(self.cells()[axis]);
+        let low = self.cell(grid(0, ends[0]), grid(1, ends[1]));
+        let high = self.cell(grid(0, ends[2]), grid(1, ends[3]));
+        let rows = low.1..=high.1.max(low.1) + 1;
+        let all = rows.flat_map(|r| (low.0..=high.0.max(low.0) + 1).map(move |c| (c, r)));
+        all.map(|(c, r)| self.sample(c, r).unwrap_or(self.low))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], z| [lo.min(z), hi.max(z)])
+    }
+
+    /// Whether the cell under a position touches a void.
+    pub fn hole(&self, x: f64, y: f64) -> bool {
+        let grid = |axis: usize, w: f64| (w / self.spacing[axis]).max(0.0).min(self.cells()[axis]);
+        let (i, j) = self.cell(grid(0, x), grid(1, y));
+        self.corners(i, j).is_none()
+    }
+
     /// 1 where the surface follows the position along the axis, 0 beyond the rim.
     fn inside(&self, x: f64, y: f64) -> [f64; 2] {
         let within = |axis: usize, w: f64| (0.0..=self.cells()[axis] * self.spacing[axis]).contains(&w);

@@ -5,6 +5,7 @@ use super::field::Samples;
 use super::layout::SceneUniform;
 use super::patch::{Bilinear, Triangulated};
 use super::pyramid::Bounds;
+use super::range;
 use super::ray::WorldRay;
 use super::scene::Scene;
 use super::surface;
@@ -43,12 +44,15 @@ impl Scene {
             return self.layers().read_f32(reading, args[0], x, y, out);
         }
         let scene = self.uniform();
-        match (&self.terrain().samples, &self.pyramid().bounds) {
-            (Samples::I16(samples), Bounds::I16(bounds)) => {
-                evaluate(scene, &Heights16 { samples, bounds }, intrinsic, args, out);
+        let floors = (intrinsic == Intrinsic::Lowest).then(|| &self.floors().bounds);
+        match (&self.terrain().samples, &self.pyramid().bounds, floors) {
+            (Samples::I16(samples), Bounds::I16(bounds), floors) => {
+                let floors = if let Some(Bounds::I16(floors)) = floors { floors.as_slice() } else { &[] };
+                evaluate(scene, &Heights16 { samples, bounds, floors }, intrinsic, args, out);
             }
-            (Samples::F32(samples), Bounds::F32(bounds)) => {
-                evaluate(scene, &Heights32 { samples, bounds }, intrinsic, args, out);
+            (Samples::F32(samples), Bounds::F32(bounds), floors) => {
+                let floors = if let Some(Bounds::F32(floors)) = floors { floors.as_slice() } else { &[] };
+                evaluate(scene, &Heights32 { samples, bounds, floors }, intrinsic, args, out);
             }
             _ => unreachable!("a pyramid has the format of its samples"),
         }
@@ -89,6 +93,9 @@ impl Scene {
             Intrinsic::TraceBilinear => give(out, &trace(Surface::Bilinear)),
             Intrinsic::OccludedTriangulated => give(out, &trace(Surface::Triangulated)[..1]),
             Intrinsic::OccludedBilinear => give(out, &trace(Surface::Bilinear)[..1]),
+            Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
+            Intrinsic::Lowest => give(out, &[field.bounds(args)[0]]),
+            Intrinsic::Hole => give(out, &[f64::from(u8::from(field.hole(args[0], args[1])))]),
             Intrinsic::Camera => {
                 let (o, d) = self.camera().ray(args[0], args[1]);
                 let (near, far) = (f64::from(uniform.near), f64::from(uniform.far));
@@ -153,6 +160,9 @@ fn evaluate<H: Heights>(
         Intrinsic::OccludedBilinear => {
             out[0] = u32::from(walk::trace::<H, Bilinear>(scene, heights, &ray()).is_some());
         }
+        Intrinsic::Highest => floats(out, &[range::highest(scene, heights, &[0, 1, 2, 3].map(arg))]),
+        Intrinsic::Lowest => floats(out, &[range::lowest(scene, heights, &[0, 1, 2, 3].map(arg))]),
+        Intrinsic::Hole => out[0] = u32::from(range::hole(scene, heights, arg(0), arg(1))),
         Intrinsic::Camera => floats(out, &camera(scene, arg(0), arg(1))),
         Intrinsic::PixelWidth => floats(out, &scene.pixel_width),
         Intrinsic::SunDir => floats(out, &scene.sun_dir),

@@ -1,7 +1,9 @@
-//! The maximum mipmap: level k >= 1 bounds 2^k x 2^k cells from above, in raw units. Level 0, the cells themselves,
-//! is bounded by their corners and not stored, so the pyramid of 16-bit data takes 2/3 of a byte per sample.
+//! The maximum mipmap and its counterpart, the minimum mipmap: level k >= 1 bounds 2^k x 2^k cells from above or below,
+//! in raw units. Level 0, the cells themselves, is bounded by their corners and not stored, so a pyramid of 16-bit data
+//! takes 2/3 of a byte per sample.
 //!
-//! A cell that touches a void cannot be hit and has the bound "void", below every height.
+//! A void is below every height. So an upper bound is that of the samples that are there, and "void" where none is;
+//! a lower bound is "void" where one is missing. Both hold for every sampler, also near holes.
 
 use super::field::{Samples, Terrain, VOID_F32, VOID_I16};
 
@@ -21,6 +23,13 @@ pub struct Level {
 pub enum Bounds {
     I16(Vec<i16>),
     F32(Vec<f32>),
+}
+
+/// Which side a pyramid bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    Above,
+    Below,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -46,11 +55,11 @@ pub fn levels(width: u32, height: u32) -> (Vec<Level>, u32) {
 }
 
 impl Pyramid {
-    pub fn new(terrain: &Terrain) -> Pyramid {
+    pub fn new(terrain: &Terrain, side: Side) -> Pyramid {
         let (levels, nodes) = levels(terrain.width, terrain.height);
         let bounds = match &terrain.samples {
-            Samples::I16(data) => Bounds::I16(build(data, terrain.width, &levels, nodes, VOID_I16)),
-            Samples::F32(data) => Bounds::F32(build(data, terrain.width, &levels, nodes, VOID_F32)),
+            Samples::I16(data) => Bounds::I16(build(data, terrain.width, &levels, nodes, side, VOID_I16)),
+            Samples::F32(data) => Bounds::F32(build(data, terrain.width, &levels, nodes, side, VOID_F32)),
         };
         Pyramid { levels, bounds }
     }
@@ -69,21 +78,33 @@ impl Pyramid {
     }
 }
 
-fn build<T: Copy + PartialOrd>(samples: &[T], width: u32, levels: &[Level], nodes: u32, void: T) -> Vec<T> {
+fn build<T: Copy + PartialOrd>(
+    samples: &[T],
+    width: u32,
+    levels: &[Level],
+    nodes: u32,
+    side: Side,
+    void: T,
+) -> Vec<T> {
+    let outer = |a: T, b: T| if (b > a) == (side == Side::Above) { b } else { a };
+    let cell = |i: u32, j: u32| {
+        let at = j as usize * width as usize + i as usize;
+        let north = at + width as usize;
+        outer(outer(samples[at], samples[at + 1]), outer(samples[north], samples[north + 1]))
+    };
     let mut bounds = vec![void; nodes as usize];
     for k in 1..levels.len() {
         let (below, level) = (levels[k - 1], levels[k]);
         for y in 0..level.height {
             for x in 0..level.width {
-                let mut bound = void;
+                let child = |i: u32, j: u32| match k {
+                    1 => cell(i, j),
+                    _ => bounds[(below.offset + j * below.width + i) as usize],
+                };
+                let mut bound = child(2 * x, 2 * y);
                 for j in 2 * y..(2 * y + 2).min(below.height) {
                     for i in 2 * x..(2 * x + 2).min(below.width) {
-                        let child = if k == 1 {
-                            cell_bound(samples, width, i, j, void)
-                        } else {
-                            bounds[(below.offset + j * below.width + i) as usize]
-                        };
-                        bound = higher(bound, child);
+                        bound = outer(bound, child(i, j));
                     }
                 }
                 bounds[(level.offset + y * level.width + x) as usize] = bound;
@@ -93,38 +114,26 @@ fn build<T: Copy + PartialOrd>(samples: &[T], width: u32, levels: &[Level], node
     bounds
 }
 
-fn cell_bound<T: Copy + PartialOrd>(samples: &[T], width: u32, i: u32, j: u32, void: T) -> T {
-    let at = j as usize * width as usize + i as usize;
-    let corners =
-        [samples[at], samples[at + 1], samples[at + width as usize], samples[at + width as usize + 1]];
-    if corners.contains(&void) { void } else { corners.into_iter().fold(void, higher) }
-}
-
-fn higher<T: PartialOrd>(a: T, b: T) -> T {
-    if b > a { b } else { a }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn brute(terrain: &Terrain, k: u32, x: u32, y: u32) -> f32 {
+    fn brute(terrain: &Terrain, side: Side, k: u32, x: u32, y: u32) -> f32 {
         let (w, h) = (terrain.width - 1, terrain.height - 1);
-        let mut bound = VOID_F32;
-        for j in y << k..((y + 1) << k).min(h) {
-            for i in x << k..((x + 1) << k).min(w) {
-                let corners =
-                    [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(c, r)| terrain.sample(c, r));
-                if let [Some(a), Some(b), Some(c), Some(d)] = corners {
-                    bound = bound.max(a.max(b).max(c).max(d) as f32);
-                }
+        let mut all = Vec::new();
+        for j in y << k..=((y + 1) << k).min(h) {
+            for i in x << k..=((x + 1) << k).min(w) {
+                all.push(terrain.sample(i, j).map_or(VOID_F32, |z| z as f32));
             }
         }
-        bound
+        match side {
+            Side::Above => all.into_iter().fold(VOID_F32, f32::max),
+            Side::Below => all.into_iter().fold(f32::MAX, f32::min),
+        }
     }
 
     #[test]
-    fn bounds_are_the_maxima_of_their_cells() {
+    fn bounds_are_those_of_the_samples_of_their_cells() {
         for (w, h) in [(2, 2), (3, 2), (2, 9), (17, 16), (33, 12), (64, 65)] {
             let mut state = 7u32;
             let heights = (0..w * h)
@@ -134,13 +143,14 @@ mod tests {
                 })
                 .collect();
             let terrain = Terrain::from_heights(w, h, [1.0, 1.0], heights).unwrap();
-            let pyramid = Pyramid::new(&terrain);
-            let Bounds::F32(bounds) = &pyramid.bounds else { panic!("float data has float bounds") };
-            for (k, level) in pyramid.levels.iter().enumerate().skip(1) {
-                for y in 0..level.height {
-                    for x in 0..level.width {
+            for side in [Side::Above, Side::Below] {
+                let pyramid = Pyramid::new(&terrain, side);
+                let Bounds::F32(bounds) = &pyramid.bounds else { panic!("float data has float bounds") };
+                for (k, level) in pyramid.levels.iter().enumerate().skip(1) {
+                    for (y, x) in (0..level.height).flat_map(|y| (0..level.width).map(move |x| (y, x))) {
                         let stored = bounds[(level.offset + y * level.width + x) as usize];
-                        assert_eq!(stored, brute(&terrain, k as u32, x, y), "{w}x{h} level {k} node {x} {y}");
+                        let expected = brute(&terrain, side, k as u32, x, y);
+                        assert_eq!(stored, expected, "{w}x{h} {side:?} level {k} node {x} {y}");
                     }
                 }
             }
@@ -150,7 +160,7 @@ mod tests {
     #[test]
     fn sixteen_bit_data_stays_below_three_bytes_a_sample() {
         let terrain = Terrain::builtin();
-        let bytes = 2 * terrain.samples.len() + Pyramid::new(&terrain).bytes();
+        let bytes = 2 * terrain.samples.len() + Pyramid::new(&terrain, Side::Above).bytes();
         assert!(bytes <= 3 * terrain.samples.len(), "{bytes}");
     }
 }

@@ -3,9 +3,9 @@
 use super::field::{Samples, Terrain};
 use super::layers::Layers;
 use super::layout::SceneUniform;
-use super::pyramid::{Bounds, MAX_LEVELS, Pyramid};
+use super::pyramid::{Bounds, MAX_LEVELS, Pyramid, Side};
 use super::view::{Camera, View};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -74,6 +74,8 @@ impl Default for SceneOptions {
 pub struct Scene {
     terrain: Arc<Terrain>,
     pyramid: Arc<Pyramid>,
+    /// Made when it is first asked for: few programs need it.
+    floors: Arc<OnceLock<Pyramid>>,
     options: SceneOptions,
     camera: Camera,
     uniform: SceneUniform,
@@ -82,13 +84,14 @@ pub struct Scene {
 
 impl Scene {
     pub fn new(terrain: Arc<Terrain>, options: &SceneOptions) -> Result<Scene, SceneError> {
-        let pyramid = Arc::new(Pyramid::new(&terrain));
-        Scene::assemble(terrain, pyramid, Arc::default(), options)
+        let pyramid = Arc::new(Pyramid::new(&terrain, Side::Above));
+        Scene::assemble(terrain, (pyramid, Arc::default()), Arc::default(), options)
     }
 
     /// The same field seen otherwise; its pyramid is shared.
     pub fn with_options(&self, options: &SceneOptions) -> Result<Scene, SceneError> {
-        Scene::assemble(self.terrain.clone(), self.pyramid.clone(), self.layers.clone(), options)
+        let pyramids = (self.pyramid.clone(), self.floors.clone());
+        Scene::assemble(self.terrain.clone(), pyramids, self.layers.clone(), options)
     }
 
     /// The same scene with these data layers.
@@ -98,7 +101,7 @@ impl Scene {
 
     fn assemble(
         terrain: Arc<Terrain>,
-        pyramid: Arc<Pyramid>,
+        (pyramid, floors): (Arc<Pyramid>, Arc<OnceLock<Pyramid>>),
         layers: Arc<Layers>,
         options: &SceneOptions,
     ) -> Result<Scene, SceneError> {
@@ -110,7 +113,7 @@ impl Scene {
         }
         let camera = Camera::new(&options.view, &terrain, options.exaggerate, options.size)?;
         let uniform = uniform(&terrain, &pyramid, &camera, options);
-        Ok(Scene { terrain, pyramid, options: *options, camera, uniform, layers })
+        Ok(Scene { terrain, pyramid, floors, options: *options, camera, uniform, layers })
     }
 
     pub fn terrain(&self) -> &Arc<Terrain> {
@@ -119,6 +122,11 @@ impl Scene {
 
     pub fn pyramid(&self) -> &Arc<Pyramid> {
         &self.pyramid
+    }
+
+    /// The minimum mipmap.
+    pub fn floors(&self) -> &Pyramid {
+        self.floors.get_or_init(|| Pyramid::new(&self.terrain, Side::Below))
     }
 
     pub fn options(&self) -> &SceneOptions {
@@ -147,8 +155,12 @@ impl Scene {
     }
 
     /// Bounds as the shaders read them, at least one word.
-    pub fn bound_words(&self) -> Vec<u32> {
-        let mut words = match &self.pyramid.bounds {
+    pub fn bound_words(&self, side: Side) -> Vec<u32> {
+        let pyramid = match side {
+            Side::Above => &self.pyramid,
+            Side::Below => self.floors(),
+        };
+        let mut words = match &pyramid.bounds {
             Bounds::I16(data) => pack(data),
             Bounds::F32(data) => data.iter().map(|v| v.to_bits()).collect(),
         };

@@ -345,3 +345,66 @@ fn a_far_camera_hits_as_exactly_as_a_near_one() {
         }
     }
 }
+
+/// A box that spans places of every size, some of them beyond the rim or along grid lines.
+fn ends(scene: &Scene, random: &mut Random) -> [f32; 4] {
+    let terrain = scene.terrain();
+    let mut along = |axis: usize| {
+        let size = terrain.extent()[axis];
+        let at = match random.next() % 3 {
+            0 => f64::from(random.next() % terrain.width.max(terrain.height)) * terrain.spacing[axis],
+            _ => random.within(-0.1 * size, 1.1 * size),
+        };
+        let wide = random.pick(&[0.0, 0.5, 1.0, 3.0, 0.3 * size / terrain.spacing[axis]]);
+        [at as f32, (at + random.unit() * wide * terrain.spacing[axis]) as f32]
+    };
+    let ([x0, x1], [y0, y1]) = (along(0), along(1));
+    [x0, y0, x1, y1]
+}
+
+#[test]
+fn boxes_are_bounded() {
+    let ask = |scene: &Scene, intrinsic, args: &[f32]| {
+        let mut out = [0];
+        scene.eval_f32(intrinsic, &args.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), &mut out);
+        f32::from_bits(out[0])
+    };
+    for (name, scene) in fields() {
+        let mut random = Random(3);
+        for i in 0..if name == "fuji" { 500 } else { 3_000 } {
+            let ends = ends(&scene, &mut random);
+            let [low, high] = [Intrinsic::Lowest, Intrinsic::Highest].map(|side| ask(&scene, side, &ends));
+            // Rounding decides to which cell a grid line belongs.
+            let exact = |grow: f64| {
+                let [w, h] = scene.terrain().extent();
+                let by = [w, h].map(|size| grow * (1e-6 * size));
+                let [x0, y0, x1, y1] = ends.map(f64::from);
+                let [x, y] = [(x0 + x1) / 2.0, (y0 + y1) / 2.0];
+                let grown =
+                    [(x0 - by[0]).min(x), (y0 - by[1]).min(y), (x1 + by[0]).max(x), (y1 + by[1]).max(y)];
+                let mut out = [0.0; 2];
+                scene.eval_f64(Intrinsic::Lowest, &grown, &mut out[..1]);
+                scene.eval_f64(Intrinsic::Highest, &grown, &mut out[1..]);
+                out
+            };
+            let slack = tolerance(&scene);
+            let sound = |[lo, hi]: [f64; 2], lift: f64| {
+                f64::from(low) + lift <= lo + slack && f64::from(high) - lift >= hi - slack
+            };
+            let (inner, outer) = (exact(-1.0), exact(1.0));
+            assert!(sound(inner, 0.0), "{name} box {i} {ends:?}: {low}..{high} {inner:?}");
+            // The finest level is exact, so a bound that is drawn in by more than the rounding would be seen.
+            let narrow = ends[2] - ends[0] < scene.terrain().spacing[0] as f32
+                && ends[3] - ends[1] < scene.terrain().spacing[1] as f32;
+            assert!(!narrow || !sound(outer, 2.1 * slack + 1e-3), "{name} box {i} {ends:?}");
+            for sampler in [Intrinsic::Nearest, Intrinsic::Bilinear, Intrinsic::Triangulated] {
+                for _ in 0..4 {
+                    let [x, y] = [0, 1].map(|a| ends[a] + (ends[a + 2] - ends[a]) * random.unit() as f32);
+                    let z = f64::from(ask(&scene, sampler, &[x, y]));
+                    let inside = f64::from(low) - slack <= z && z <= f64::from(high) + slack;
+                    assert!(inside, "{name} box {i} {ends:?} {}: {z} {low}..{high}", sampler.name());
+                }
+            }
+        }
+    }
+}

@@ -13,31 +13,43 @@ use super::ray::{GridRay, WorldRay, enter};
 pub(super) trait Heights {
     fn sample(&self, index: usize) -> f32;
     fn bound(&self, index: usize) -> f32;
+    /// Of the minimum mipmap.
+    fn floor(&self, index: usize) -> f32;
 }
 
 pub(super) struct Heights16<'a> {
     pub samples: &'a [i16],
     pub bounds: &'a [i16],
+    pub floors: &'a [i16],
 }
 
 pub(super) struct Heights32<'a> {
     pub samples: &'a [f32],
     pub bounds: &'a [f32],
+    pub floors: &'a [f32],
 }
 
 impl Heights for Heights16<'_> {
     #[inline]
     fn sample(&self, index: usize) -> f32 {
-        let raw = self.samples[index];
-        if raw == VOID_I16 { VOID_F32 } else { f32::from(raw) }
+        raw16(self.samples[index])
     }
 
     /// The void's own value is below every sample and serves as it is.
     #[inline]
     fn bound(&self, index: usize) -> f32 {
-        let raw = self.bounds[index];
-        if raw == VOID_I16 { VOID_F32 } else { f32::from(raw) }
+        raw16(self.bounds[index])
     }
+
+    #[inline]
+    fn floor(&self, index: usize) -> f32 {
+        raw16(self.floors[index])
+    }
+}
+
+#[inline]
+fn raw16(raw: i16) -> f32 {
+    if raw == VOID_I16 { VOID_F32 } else { f32::from(raw) }
 }
 
 impl Heights for Heights32<'_> {
@@ -49,6 +61,11 @@ impl Heights for Heights32<'_> {
     #[inline]
     fn bound(&self, index: usize) -> f32 {
         self.bounds[index]
+    }
+
+    #[inline]
+    fn floor(&self, index: usize) -> f32 {
+        self.floors[index]
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`PIECES`] is the table: each piece of `shaders/terrain/` with what must stand before it.
 
 use super::field::{Samples, Terrain};
+use super::pyramid::Side;
 use ghyll_compiler::intrinsics::Intrinsic;
 
 /// How samples are stored.
@@ -47,7 +48,11 @@ const PIECES: &[Piece] = pieces! {
     "bounds" "bounds" [];
     "bound.i16" "bounds_i16" ["bounds" "sample"];
     "bound.f32" "bounds_f32" ["bounds"];
+    "floors" "floors" [];
+    "floor.i16" "floors_i16" ["floors" "sample"];
+    "floor.f32" "floors_f32" ["floors"];
     "corners" "corners" ["scene" "sample"];
+    "box" "box" ["scene"];
     "cell" "cell" ["corners"];
     "slope" "slope" ["scene"];
     "ray" "ray" ["scene"];
@@ -72,6 +77,9 @@ const PIECES: &[Piece] = pieces! {
     "trace_bilinear" "trace" ["walk_bilinear"];
     "occluded_triangulated" "occluded" ["walk_triangulated"];
     "occluded_bilinear" "occluded" ["walk_bilinear"];
+    "highest" "highest" ["box" "sample" "bound"];
+    "lowest" "lowest" ["box" "sample" "floor"];
+    "hole" "hole" ["box" "corners"];
     "camera" "camera" ["scene"];
     "pixel_width" "pixel_width" ["scene"];
     "sun_dir" "sun_dir" ["scene"];
@@ -119,6 +127,8 @@ pub struct Uses {
     pub bounds: bool,
     /// Binding 3, read-only storage: [`super::Layers`].
     pub rasters: bool,
+    /// Binding 4, read-only storage: the minimum mipmap, as `bounds`.
+    pub floors: bool,
 }
 
 /// Declarations of the given intrinsics and of all that they need, each once.
@@ -130,7 +140,8 @@ pub fn wgsl(intrinsics: &[Intrinsic], format: Format) -> Module {
     }
     let uses = |name: &str| placed.contains(&name);
     let (scene, samples, bounds) = (uses("scene"), uses("samples"), uses("bounds"));
-    Module { uses: Uses { scene, samples, bounds, rasters: uses("rasters") }, text }
+    let uses = Uses { scene, samples, bounds, rasters: uses("rasters"), floors: uses("floors") };
+    Module { uses, text }
 }
 
 fn place(name: &str, format: Format, placed: &mut Vec<&'static str>, text: &mut String) {
@@ -152,13 +163,17 @@ fn place(name: &str, format: Format, placed: &mut Vec<&'static str>, text: &mut 
     text.push('\n');
 }
 
-/// The stage that builds one level of the maximum mipmap.
-pub fn pyramid_stage(format: Format) -> String {
+/// The stage that builds one level of a mipmap of bounds.
+pub fn pyramid_stage(format: Format, side: Side) -> String {
     let keys = match format {
         Format::I16 => include_str!("../../../shaders/terrain/pyramid_i16.wgsl"),
         Format::F32 => include_str!("../../../shaders/terrain/pyramid_f32.wgsl"),
     };
-    format!("{keys}\n{}", include_str!("../../../shaders/terrain/pyramid.wgsl"))
+    let outer = match side {
+        Side::Above => "max",
+        Side::Below => "min",
+    };
+    format!("{keys}\n{}", include_str!("../../../shaders/terrain/pyramid.wgsl").replace("OUTER", outer))
 }
 
 #[cfg(test)]
@@ -202,7 +217,7 @@ mod tests {
         for format in [Format::I16, Format::F32] {
             let module = wgsl(&twice, format);
             validate(&module.text);
-            assert_eq!(module.uses, Uses { scene: true, samples: true, bounds: true, rasters: true });
+            assert_eq!(module.uses, Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true });
             assert!(!module.text.contains("SURFACE"));
         }
     }
@@ -217,7 +232,9 @@ mod tests {
 
     #[test]
     fn the_pyramid_stage_is_valid() {
-        validate(&pyramid_stage(Format::I16));
-        validate(&pyramid_stage(Format::F32));
+        for side in [Side::Above, Side::Below] {
+            validate(&pyramid_stage(Format::I16, side));
+            validate(&pyramid_stage(Format::F32, side));
+        }
     }
 }

@@ -1,0 +1,70 @@
+//! Bounds of the samplers over a box of ground. What is missing counts as the field's lowest height, as it does to the
+//! samplers. Twin of `shaders/terrain/box.wgsl`, `highest.wgsl`, `lowest.wgsl` and `hole.wgsl`.
+
+use super::field::VOID_F32;
+use super::layout::SceneUniform;
+use super::walk::Heights;
+
+/// The cells that a box touches, and the least level of a mipmap at which they are at most 2 x 2 nodes.
+struct Touched {
+    low: [u32; 2],
+    high: [u32; 2],
+    level: u32,
+}
+
+/// `[x0, y0, x1, y1]` in metres.
+fn touched(scene: &SceneUniform, ends: &[f32; 4]) -> Touched {
+    let cells = scene.cells();
+    let index = |axis: usize, w: f32| {
+        let grid = (w * scene.inverse_spacing[axis]).max(0.0).min(cells[axis] as f32);
+        (grid as u32).min(cells[axis] - 1)
+    };
+    let low = [index(0, ends[0]), index(1, ends[1])];
+    let high = [index(0, ends[2]).max(low[0]), index(1, ends[3]).max(low[1])];
+    let span = (high[0] - low[0]).max(high[1] - low[1]);
+    let level = if span > 1 { 32 - (span - 1).leading_zeros() } else { 0 };
+    Touched { low, high, level }
+}
+
+fn range<H: Heights>(
+    scene: &SceneUniform,
+    heights: &H,
+    ends: &[f32; 4],
+    node: impl Fn(usize) -> f32,
+    outer: impl Fn(f32, f32) -> f32,
+) -> f32 {
+    let Touched { low, high, level } = touched(scene, ends);
+    let raw = if level == 0 {
+        let row = scene.size[0] as usize;
+        let columns = [low[0], low[0] + 1, high[0] + 1].map(|i| i as usize);
+        let rows = [low[1], low[1] + 1, high[1] + 1].map(|j| j as usize * row);
+        let across = |start: usize| {
+            let [a, b, c] = columns.map(|i| heights.sample(start + i));
+            outer(outer(a, b), c)
+        };
+        let [south, middle, north] = rows.map(across);
+        outer(outer(south, middle), north)
+    } else {
+        let [offset, width, _, _] = scene.levels[level as usize];
+        let at = |i: u32, j: u32| node((offset + (j >> level) * width + (i >> level)) as usize);
+        let south = outer(at(low[0], low[1]), at(high[0], low[1]));
+        let north = outer(at(low[0], high[1]), at(high[0], high[1]));
+        outer(south, north)
+    };
+    raw.max(scene.raw_relief[0]) * scene.z_scale + scene.z_offset
+}
+
+pub(super) fn highest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> f32 {
+    range(scene, heights, ends, |i| heights.bound(i), f32::max)
+}
+
+pub(super) fn lowest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> f32 {
+    range(scene, heights, ends, |i| heights.floor(i), f32::min)
+}
+
+pub(super) fn hole<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> bool {
+    let [i, j] = touched(scene, &[x, y, x, y]).low.map(|i| i as usize);
+    let row = scene.size[0] as usize;
+    let at = j * row + i;
+    [at, at + 1, at + row, at + row + 1].into_iter().any(|at| heights.sample(at) == VOID_F32)
+}

@@ -217,7 +217,10 @@ mod tests {
         for format in [Format::I16, Format::F32] {
             let module = wgsl(&twice, format);
             validate(&module.text);
-            assert_eq!(module.uses, Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true });
+            assert_eq!(
+                module.uses,
+                Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true }
+            );
             assert!(!module.text.contains("SURFACE"));
         }
     }

@@ -392,7 +392,9 @@ fn boxes_are_bounded() {
                 f64::from(low) + lift <= lo + slack && f64::from(high) - lift >= hi - slack
             };
             let (inner, outer) = (exact(-1.0), exact(1.0));
-            assert!(sound(inner, 0.0), "{name} box {i} {ends:?}: {low}..{high} {inner:?}");
+            let size = scene.terrain().extent().into_iter().fold(0.0, f64::max) as f32;
+            let clear = (ends[2] - ends[0]).min(ends[3] - ends[1]) > 3e-6 * size;
+            assert!(!clear || sound(inner, 0.0), "{name} box {i} {ends:?}: {low}..{high} {inner:?}");
             // The finest level is exact, so a bound that is drawn in by more than the rounding would be seen.
             let narrow = ends[2] - ends[0] < scene.terrain().spacing[0] as f32
                 && ends[3] - ends[1] < scene.terrain().spacing[1] as f32;

@@ -285,8 +285,9 @@ pub struct Info {
 
 #[derive(Args)]
 pub struct Bench {
-    /// overhead: a picture by a hand-written kernel and by Ghyll; calls: rewrites per second. All if absent.
-    #[arg(value_parser = ["overhead", "calls"])]
+    /// overhead: a picture by a hand-written kernel and by Ghyll; calls: rewrites per second; stability: hazards of
+    /// tracing with their bounds. All if absent.
+    #[arg(value_parser = ["overhead", "calls", "stability"])]
     pub name: Option<String>,
     /// One JSON object on standard output.
     #[arg(long)]
@@ -297,6 +298,15 @@ pub struct Bench {
     /// Pick the GPU adapter whose name contains this.
     #[arg(long, value_name = "SUBSTRING")]
     pub adapter: Option<String>,
+    /// Machines that are measured, where a benchmark has a choice.
+    #[arg(long, value_enum, default_value_t = On::Auto)]
+    pub on: On,
+    /// Random rays over each field of `stability`; of each other hazard there are a tenth.
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub rays: u64,
+    /// Only hazards of `stability` whose name contains this.
+    #[arg(long, value_name = "SUBSTRING")]
+    pub only: Option<String>,
 }
 
 /// Makes `--stats json` and bare `--stats` both unmistakable for the parser.

@@ -5,6 +5,7 @@ use ghyll_runtime::error::RunError;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
+#[derive(Debug)]
 pub enum Failure {
     /// The program has diagnostics; status 1.
     Diagnostics { report: Report, json: bool },

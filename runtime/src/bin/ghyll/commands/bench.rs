@@ -3,6 +3,7 @@
 mod calls;
 mod kernel;
 mod overhead;
+mod stability;
 
 use crate::arguments::Bench;
 use crate::failure::Failure;
@@ -15,7 +16,8 @@ use serde_json::{Value, json};
 type Benchmark = fn(&Bench, Option<&Gpu>) -> Result<Vec<Value>, Failure>;
 
 /// All benchmarks by name.
-const BENCHMARKS: &[(&str, Benchmark)] = &[("overhead", overhead::rows), ("calls", calls::rows)];
+const BENCHMARKS: &[(&str, Benchmark)] =
+    &[("overhead", overhead::rows), ("calls", calls::rows), ("stability", stability::rows)];
 
 pub fn bench(arguments: &Bench) -> Result<(), Failure> {
     let options = GpuOptions { adapter: arguments.adapter.clone(), ..GpuOptions::default() };
@@ -25,11 +27,13 @@ pub fn bench(arguments: &Bench) -> Result<(), Failure> {
         Err(error) => return Err(Failure::Usage(error.to_string())),
     };
     let adapter = gpu.as_ref().map_or("none", |gpu| &gpu.info().name);
+    let mut broken = 0;
     for (name, rows) in BENCHMARKS {
         if arguments.name.as_deref().is_some_and(|wanted| wanted != *name) {
             continue;
         }
         let rows = rows(arguments, gpu.as_ref())?;
+        broken += stability::broken(&rows);
         if arguments.json {
             let date = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
             crate::report::line!(
@@ -41,7 +45,10 @@ pub fn bench(arguments: &Bench) -> Result<(), Failure> {
             table(&rows);
         }
     }
-    Ok(())
+    match broken {
+        0 => Ok(()),
+        n => Err(Failure::Run(format!("{n} figures are beyond their bounds: the rows that say so"))),
+    }
 }
 
 /// Processor and threads.
@@ -59,7 +66,10 @@ fn table(rows: &[Value]) {
     let keys: Vec<&String> = first.keys().collect();
     let cell = |row: &Value, key: &str| match &row[key] {
         Value::String(text) => text.clone(),
-        Value::Number(n) if n.is_f64() => format!("{:.4}", n.as_f64().unwrap_or_default()),
+        Value::Number(n) if n.is_f64() => match n.as_f64().unwrap_or_default() {
+            x if x != 0.0 && x.abs() < 1e-2 => format!("{x:.2e}"),
+            x => format!("{x:.4}"),
+        },
         Value::Null => "-".into(),
         other => other.to_string(),
     };

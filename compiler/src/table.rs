@@ -3,6 +3,7 @@
 //! A function token of task `f` with arity n, preceded by n literals, is replaced by one of `f`'s emissions
 //! (paper, section 5.1). Everything that is not a task is fused: a helper called directly.
 
+pub mod network;
 pub mod print;
 pub mod verify;
 

@@ -4,6 +4,7 @@
 pub mod api;
 pub mod bake;
 pub mod config;
+pub mod emit;
 pub mod error;
 pub mod files;
 pub mod gpu;

@@ -36,3 +36,4 @@ pub use device::{Gpu, GpuOptions, Info};
 pub use engine::{Engine, Frame, Outcome, Scene, Stats};
 pub use error::GpuError;
 pub use pipelines::trusted_module;
+pub use shader::of_program as shader;

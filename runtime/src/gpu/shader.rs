@@ -3,6 +3,7 @@
 use super::code::Code;
 use super::shape::{Shape, Windows};
 use super::template::fill;
+use crate::config::Config;
 use crate::error::RunError;
 
 /// A kernel: a WGSL entry point with all it needs.
@@ -129,4 +130,16 @@ pub fn source(kernel: Kernel, shape: &Shape, code: &Code) -> Result<String, RunE
     }
     parts.push(kernel.text());
     Ok(parts.join("\n"))
+}
+
+/// Entry point and WGSL of the kernel that a hardware adapter runs the program's functions in, with the usual
+/// configuration; `components` is 0 without an image.
+pub fn of_program(code: &Code, components: u32) -> Result<(&'static str, String), RunError> {
+    let kernel = match components {
+        0 => Kernel::Execute,
+        _ if code.has_shade => Kernel::Direct,
+        _ => Kernel::DrawPixels,
+    };
+    let shape = Shape::new(code, &Config::default(), components, false)?;
+    Ok((kernel.name(), source(kernel, &shape, code)?))
 }

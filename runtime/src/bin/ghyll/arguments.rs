@@ -34,7 +34,8 @@ pub enum Command {
     #[command(after_help = "Examples:\n  ghyll check my.ghyll --live detail\n  ghyll check --explain E0301")]
     Check(Check),
     /// Show what the compiler made.
-    #[command(after_help = "Example:\n  ghyll build lang-examples/fib.ghyll --emit table,wgsl")]
+    #[command(after_help = "Examples:\n  ghyll build lang-examples/fib.ghyll --emit table,stream -- 5\n  \
+                            ghyll build lang-examples/fib.ghyll --emit svg -o fib.svg")]
     Build(Build),
     /// Print the stream s0, s1, .. round by round.
     #[command(after_help = "Example:\n  ghyll trace lang-examples/paper.ghyll")]
@@ -249,10 +250,16 @@ pub struct Build {
     pub file: PathBuf,
     #[command(flatten)]
     pub program: Program,
-    /// What to show, in this order: core, table, stream, wgsl.
+    /// What to show, in this order.
+    ///
+    /// core, table, stream: the compiler's forms. wgsl, spirv, msl, hlsl, glsl: the kernel that runs the program. dot, svg:
+    /// the network of its tasks.
     #[arg(long, value_name = "FORMS", value_delimiter = ',', default_value = "table",
-          value_parser = ["core", "table", "stream", "wgsl"])]
+          value_parser = crate::commands::build::NAMES)]
     pub emit: Vec<String>,
+    /// Write one form to this file, several into this folder.
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
     /// Arguments of the entry, for `stream`.
     #[arg(last = true, value_name = "ARGS")]
     pub args: Vec<String>,

@@ -19,8 +19,17 @@ macro_rules! line {
 pub(crate) use line;
 
 pub fn write_line(text: std::fmt::Arguments) {
+    written(writeln!(std::io::stdout().lock(), "{text}"));
+}
+
+/// Bytes on standard output.
+pub fn write_bytes(bytes: &[u8]) {
     let mut out = std::io::stdout().lock();
-    if let Err(error) = writeln!(out, "{text}") {
+    written(out.write_all(bytes).and_then(|()| out.flush()));
+}
+
+fn written(outcome: std::io::Result<()>) {
+    if let Err(error) = outcome {
         let quiet = error.kind() == std::io::ErrorKind::BrokenPipe;
         if !quiet {
             eprintln!("ghyll: cannot write to standard output: {error}");

@@ -12,6 +12,7 @@ mod pgm;
 mod png;
 mod raw;
 mod text;
+mod usgs;
 mod zip;
 
 pub use error::DemError;
@@ -66,8 +67,12 @@ pub struct DemOptions {
     /// How a PNG holds heights; grey images need none.
     pub encoding: Option<Encoding>,
     pub voids: Voids,
+    /// The number that stands for a missing sample, as it is stored (in metres where heights are packed in colours);
+    /// overrides the file's.
+    pub nodata: Option<f64>,
 }
 
+/// Reads a file's content; the name's ending may say how.
 type Reader = fn(&str, &[u8], &DemOptions) -> Result<Terrain, DemError>;
 
 /// Formats by their first bytes, then by the name's ending.
@@ -90,8 +95,11 @@ const ENDINGS: &[(&str, Reader)] = &[
     ("bil", bil::read),
     ("pgm", pgm::read),
     ("f32", raw::read),
+    ("i16", raw::read),
+    ("u16", raw::read),
     ("raw", raw::read),
     ("bin", raw::read),
+    ("dem", usgs::read),
 ];
 
 const GZIP: &[u8] = &[0x1f, 0x8b];

@@ -95,6 +95,8 @@ pub fn corpus() -> Vec<File> {
     pgm.extend(&big);
     let mut files = vec![
         file("fuji.tif", FUJI.to_vec()),
+        file("zstd.tif", include_bytes!("../../data/dem/i16_tiles_big_endian_zstd.tif").to_vec()),
+        file("predicted.tif", include_bytes!("../../data/dem/f32_tiles_lzw_p3_nan.tif").to_vec()),
         file("plain.tif", tiff(false, Packing::Uncompressed)),
         file("deflate.tif", tiff(false, Packing::Deflate(Default::default()))),
         file("lzw.tif", tiff(false, Packing::Lzw)),
@@ -278,6 +280,7 @@ pub fn survive(input: &Input) {
         encoding: [None, Some(Encoding::Grey), Some(Encoding::Terrarium), Some(Encoding::TerrainRgb)]
             [random.below(4)],
         voids: [Voids::Hole, Voids::Fill][random.below(2)],
+        nodata: [None, Some(0.0), Some(f64::NAN)][random.below(3)],
     };
     match read(&input.name, &input.bytes, &options) {
         Ok(terrain) => {

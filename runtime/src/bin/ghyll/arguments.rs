@@ -156,12 +156,15 @@ pub struct Reading {
     /// What missing samples are: holes, or filled from their neighbours.
     #[arg(long, value_name = "KIND", value_parser = ["hole", "fill"], default_value = "hole")]
     pub voids: String,
+    /// The stored number that stands for a missing sample, where the file does not say it itself.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    pub nodata: Option<f64>,
 }
 
 /// Elevation data.
 #[derive(Args)]
 pub struct Terrain {
-    /// Elevation data: GeoTIFF, .hgt, .asc, .bil, PNG, PGM, .npy or raw .f32, also as .gz or .zip; the built-in Mt Fuji
+    /// Elevation data: GeoTIFF, .hgt, .asc, .bil, PNG, PGM, .npy, USGS .dem or raw .f32, .i16, .u16, also as .gz or .zip; the built-in Mt Fuji
     /// if absent.
     #[arg(long, value_name = "FILE")]
     pub dem: Option<PathBuf>,

@@ -79,7 +79,7 @@ fn parse(file: &str, bytes: &[u8], header: &str, options: &DemOptions) -> Result
         width,
         height,
         values,
-        nodata: number("nodata"),
+        nodata: options.nodata.or(number("nodata")),
         scale: 1.0,
         offset: 0.0,
         spacing,

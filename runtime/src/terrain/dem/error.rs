@@ -7,8 +7,8 @@ pub enum DemError {
     #[error("cannot read {file}: {source}; check the path and its permissions")]
     Unreadable { file: String, source: std::io::Error },
     #[error(
-        "{file} is not elevation data that can be read; the formats are GeoTIFF, .hgt, .asc, .bil, .npy, PNG, PGM \
-         and raw .f32, each also as .gz or .zip"
+        "{file} is not elevation data that can be read; the formats are GeoTIFF, .hgt, .asc, .bil, .npy, PNG, PGM, \
+         USGS .dem and raw .f32, .i16 or .u16, each also as .gz or .zip"
     )]
     UnknownFormat { file: String },
     #[error("{file} is truncated or damaged: {what}; get the file again")]

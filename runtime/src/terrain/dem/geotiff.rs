@@ -16,6 +16,7 @@ use tiff::tags::Tag;
 const GDAL_NODATA: Tag = Tag::Unknown(42113);
 
 const LINEAR_UNITS: u16 = 3076;
+const VERTICAL_UNITS: u16 = 4099;
 
 /// Metres in the linear units that occur, by EPSG code.
 const UNITS: &[(u16, f64)] = &[(9001, 1.0), (9002, 0.3048), (9003, 1200.0 / 3937.0), (9036, 1000.0)];
@@ -67,8 +68,8 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         width,
         height,
         values,
-        nodata,
-        scale: 1.0,
+        nodata: options.nodata.or(nodata),
+        scale: place.vertical_unit(),
         offset: 0.0,
         spacing,
         crs: place.georeference(height),
@@ -121,8 +122,9 @@ pub(in crate::terrain) fn decode(file: &str, bytes: &[u8]) -> Result<Decoded, De
         DecodingResult::U8(v) => (Samples::Bytes(v), "uint8"),
         DecodingResult::I16(v) => (numbers(Values::I16(v)), "int16"),
         DecodingResult::U16(v) => (numbers(Values::U16(v)), "uint16"),
-        DecodingResult::I32(v) => (numbers(Values::Int(v.into_iter().map(i64::from).collect())), "int32"),
-        DecodingResult::U32(v) => (numbers(Values::Int(v.into_iter().map(i64::from).collect())), "uint32"),
+        DecodingResult::I32(v) => (numbers(Values::I32(v)), "int32"),
+        DecodingResult::U32(v) => (numbers(Values::U32(v)), "uint32"),
+        DecodingResult::I64(v) => (numbers(Values::I64(v)), "int64"),
         DecodingResult::F32(v) => (numbers(Values::F32(v)), "float32"),
         DecodingResult::F64(v) => (numbers(Values::F64(v)), "float64"),
         _ => {
@@ -137,7 +139,7 @@ pub(in crate::terrain) fn decode(file: &str, bytes: &[u8]) -> Result<Decoded, De
 fn explain(file: &str, error: tiff::TiffError) -> DemError {
     match error {
         tiff::TiffError::UnsupportedError(what) => {
-            let mend = "rewrite it uncompressed, or with deflate, LZW or packbits compression";
+            let mend = "rewrite it uncompressed, or with deflate, LZW, packbits or zstd compression";
             DemError::unsupported(file, what, mend)
         }
         tiff::TiffError::LimitsExceeded => {
@@ -147,8 +149,19 @@ fn explain(file: &str, error: tiff::TiffError) -> DemError {
     }
 }
 
+/// No text of a tag that is used is longer; what says so is damaged, and the decoder would print a note of its own.
+const LONGEST_TEXT: u64 = 1 << 16;
+
+fn text(tiff: &mut Tiff, tag: Tag) -> Option<String> {
+    let entry = tiff.image_ifd().find_entry(tag)?;
+    if entry.count() > LONGEST_TEXT {
+        return None;
+    }
+    tiff.get_tag_ascii_string(tag).ok()
+}
+
 fn nodata(file: &str, tiff: &mut Tiff) -> Result<Option<f64>, DemError> {
-    let Ok(text) = tiff.get_tag_ascii_string(GDAL_NODATA) else { return Ok(None) };
+    let Some(text) = text(tiff, GDAL_NODATA) else { return Ok(None) };
     let text = text.trim_matches(['\0', ' ']);
     if text.is_empty() {
         return Ok(None);
@@ -169,6 +182,8 @@ pub(in crate::terrain) struct Place {
     epsg: Option<u32>,
     /// Metres in a unit of a projected system.
     unit: f64,
+    /// Metres in a unit of height.
+    vertical_unit: f64,
     keys: Option<GeoKeys>,
 }
 
@@ -187,6 +202,11 @@ impl Place {
         let middle = self.north(height) - 0.5 * f64::from(height - 1) * step[1];
         let [east, north] = metres_per_degree(middle.clamp(-89.9, 89.9));
         Some([step[0] * east, step[1] * north])
+    }
+
+    /// Metres in a unit of height; metres themselves where nothing is said.
+    fn vertical_unit(&self) -> f64 {
+        if self.vertical_unit > 0.0 { self.vertical_unit } else { 1.0 }
     }
 
     pub fn georeference(&self, height: u32) -> Option<Georeference> {
@@ -222,7 +242,7 @@ fn place(tiff: &mut Tiff) -> Option<Place> {
     let keys = GeoKeys {
         directory: tiff.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default(),
         doubles: tiff.get_tag_f64_vec(Tag::GeoDoubleParamsTag).unwrap_or_default(),
-        text: tiff.get_tag_ascii_string(Tag::GeoAsciiParamsTag).unwrap_or_default(),
+        text: text(tiff, Tag::GeoAsciiParamsTag).unwrap_or_default(),
     };
     let key = |id: u16| keys.get(id);
     let code = |id: u16| key(id).filter(|c| *c != 0 && *c != 32767).map(u32::from);
@@ -231,15 +251,16 @@ fn place(tiff: &mut Tiff) -> Option<Place> {
         None => code(GEOGRAPHIC_CRS).is_some() && code(PROJECTED_CRS).is_none(),
     };
     let half = if key(RASTER_TYPE) == Some(PIXEL_IS_POINT) { 0.0 } else { 0.5 };
-    let unit =
-        key(LINEAR_UNITS).and_then(|u| UNITS.iter().find(|(code, _)| *code == u)).map_or(1.0, |(_, m)| *m);
+    let metres =
+        |id: u16| key(id).and_then(|u| UNITS.iter().find(|(code, _)| *code == u)).map_or(1.0, |(_, m)| *m);
     Some(Place {
         step: Some([step[0], step[1].abs()]),
         first: [origin[0] + half * step[0], origin[1] + half * step[1]],
         south_first: step[1] > 0.0,
         geographic,
         epsg: if geographic { code(GEOGRAPHIC_CRS) } else { code(PROJECTED_CRS) },
-        unit,
+        unit: metres(LINEAR_UNITS),
+        vertical_unit: metres(VERTICAL_UNITS),
         keys: (!keys.directory.is_empty()).then_some(keys),
     })
 }

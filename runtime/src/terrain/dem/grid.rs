@@ -7,9 +7,10 @@ use crate::terrain::field::{Georeference, Samples, Terrain, VOID_F32, VOID_I16};
 #[derive(Debug)]
 pub(in crate::terrain) enum Values {
     I16(Vec<i16>),
-    /// Any other integers.
-    Int(Vec<i64>),
     U16(Vec<u16>),
+    I32(Vec<i32>),
+    U32(Vec<u32>),
+    I64(Vec<i64>),
     F32(Vec<f32>),
     F64(Vec<f64>),
 }
@@ -45,7 +46,9 @@ impl Grid {
                 (Samples::I16(data), 0.0)
             }
             Values::U16(data) => integers(&data, self.nodata),
-            Values::Int(data) => integers(&data, self.nodata),
+            Values::I32(data) => integers(&data, self.nodata),
+            Values::U32(data) => integers(&data, self.nodata),
+            Values::I64(data) => integers(&data, self.nodata),
             Values::F32(data) => {
                 // Files say nodata in decimal; it is compared as the samples are stored.
                 let nodata = self.nodata.map(|n| n as f32);

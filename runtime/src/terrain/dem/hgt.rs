@@ -30,7 +30,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         width: side as u32,
         height: side as u32,
         values: Values::I16(values),
-        nodata: None,
+        nodata: options.nodata,
         scale: 1.0,
         offset: 0.0,
         spacing,

@@ -4,7 +4,8 @@ use super::grid::{Grid, Values};
 use super::{DemError, DemOptions, check_claim};
 use crate::terrain::field::Terrain;
 
-const MEND: &str = "save it with numpy.save as a two-dimensional C-ordered array of i2, u2, i4, f4 or f8";
+const MEND: &str =
+    "save it with numpy.save as a two-dimensional C-ordered array of i2, u2, i4, u4, i8, f4 or f8";
 
 pub(in crate::terrain) const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -24,8 +25,8 @@ impl Array<'_> {
         match kind {
             "u1" => Ok(1),
             "i2" | "u2" if ordered => Ok(2),
-            "i4" | "f4" if ordered => Ok(4),
-            "f8" if ordered => Ok(8),
+            "i4" | "u4" | "f4" if ordered => Ok(4),
+            "i8" | "f8" if ordered => Ok(8),
             _ => Err(DemError::unsupported(self.file, format!("its samples are `{}`", self.descr), MEND)),
         }
     }
@@ -51,7 +52,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         width: width as u32,
         height: height as u32,
         values: array.values((width * height) as usize)?,
-        nodata: None,
+        nodata: options.nodata,
         scale: 1.0,
         offset: 0.0,
         spacing: options.spacing.unwrap_or([1.0, 1.0]),
@@ -119,7 +120,9 @@ fn decode(data: &[u8], kind: &str, big: bool) -> Values {
         "u1" => Values::U16(data.iter().copied().map(u16::from).collect()),
         "i2" => Values::I16(words(data, big).map(i16::from_le_bytes).collect()),
         "u2" => Values::U16(words(data, big).map(u16::from_le_bytes).collect()),
-        "i4" => Values::Int(words(data, big).map(|w| i64::from(i32::from_le_bytes(w))).collect()),
+        "u4" => Values::U32(words(data, big).map(u32::from_le_bytes).collect()),
+        "i4" => Values::I32(words(data, big).map(i32::from_le_bytes).collect()),
+        "i8" => Values::I64(words(data, big).map(i64::from_le_bytes).collect()),
         "f4" => Values::F32(words(data, big).map(f32::from_le_bytes).collect()),
         _ => Values::F64(words(data, big).map(f64::from_le_bytes).collect()),
     }

@@ -24,7 +24,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         width: width as u32,
         height: height as u32,
         values: Values::U16(values),
-        nodata: None,
+        nodata: options.nodata,
         scale,
         offset,
         spacing: options.spacing.unwrap_or([1.0, 1.0]),

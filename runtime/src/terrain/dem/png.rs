@@ -39,14 +39,18 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
             let (scale, offset) = grey_range(file, options, white)?;
             (Values::U16(values), scale, offset, "grey")
         }
-        Encoding::Terrarium => (unpack(image, |rgb| rgb - 32768 * 256), 1.0 / 256.0, 0.0, "terrarium"),
-        Encoding::TerrainRgb => (unpack(image, |rgb| rgb - 100_000), 0.1, 0.0, "terrain-rgb"),
+        Encoding::Terrarium => (unpack(image, 32768 * 256), 1.0 / 256.0, 0.0, "terrarium"),
+        Encoding::TerrainRgb => (unpack(image, 100_000), 0.1, 0.0, "terrain-rgb"),
     };
     Grid {
         width,
         height,
         values,
-        nodata: None,
+        nodata: match encoding {
+            Encoding::Grey => options.nodata,
+            // Of packed heights the metres are given.
+            Encoding::Terrarium | Encoding::TerrainRgb => options.nodata.map(|z| (z / scale).round()),
+        },
         scale,
         offset,
         spacing: options.spacing.unwrap_or([1.0, 1.0]),
@@ -57,8 +61,9 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
     .terrain(file)
 }
 
-fn unpack(image: DynamicImage, height: fn(i64) -> i64) -> Values {
+/// The 24 bits of each pixel, less those of height 0.
+fn unpack(image: DynamicImage, zero: i32) -> Values {
     let rgb = image.into_rgb8().into_raw();
-    let packed = |p: &[u8]| i64::from(p[0]) << 16 | i64::from(p[1]) << 8 | i64::from(p[2]);
-    Values::Int(rgb.chunks_exact(3).map(|p| height(packed(p))).collect())
+    let packed = |p: &[u8]| i32::from(p[0]) << 16 | i32::from(p[1]) << 8 | i32::from(p[2]);
+    Values::I32(rgb.chunks_exact(3).map(|p| packed(p) - zero).collect())
 }

@@ -232,6 +232,26 @@ fn one_grid_in_many_encodings_loads_alike() {
             assert_eq!((terrain.spacing, &terrain.crs), (expected.spacing, &expected.crs), "{name}");
         }
     }
+    let known = |terrain: &Terrain, tolerance: f64, name: &str| {
+        for (a, b) in heights(terrain).into_iter().zip(heights(&expected)) {
+            let Some(b) = b else { continue };
+            assert!((a.unwrap() - b).abs() <= tolerance, "{name}");
+        }
+    };
+    let grey = DemOptions { heights: Some([676.0 - 3497.0 / 65534.0, 4173.0]), ..DemOptions::default() };
+    for (name, options, tolerance) in [
+        ("i16_zstd.tif", DemOptions::default(), 0.0),
+        ("u16.pgm", spaced(), 0.0),
+        ("u16norm.png", grey, 0.03),
+        ("terrarium.png", DemOptions { encoding: Some(Encoding::Terrarium), ..spaced() }, 0.0),
+        ("terrainrgb.png", DemOptions { encoding: Some(Encoding::TerrainRgb), ..spaced() }, 1e-9),
+    ] {
+        known(
+            &Terrain::open(extra(&format!("derived/alps256_{name}")).unwrap(), &options).unwrap(),
+            tolerance,
+            name,
+        );
+    }
     for name in ["asc", "bil"] {
         let path = extra(&format!("derived/alps256.{name}")).unwrap();
         let terrain = Terrain::open(path, &DemOptions::default()).unwrap();
@@ -240,6 +260,113 @@ fn one_grid_in_many_encodings_loads_alike() {
             assert!((terrain.spacing[axis] / expected.spacing[axis] - 1.0).abs() < 1e-3, "{name}");
         }
     }
+}
+
+/// The files of `tests/data/dem`, which GDAL and others have written.
+fn written(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/dem").join(name)
+}
+
+fn opened(name: &str, options: &DemOptions) -> Terrain {
+    Terrain::open(written(name), options).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn what_others_have_written_loads_alike() {
+    let plain = DemOptions::default();
+    let expected = opened("i16.tif", &plain);
+    assert_eq!((expected.width, expected.height, expected.voids), (37, 23, 4));
+    assert_eq!((expected.min, expected.max), (-12.0, 4173.0));
+    let mut files = 0;
+    for entry in std::fs::read_dir(written("")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let kind = &name[..3];
+        if !name.ends_with(".tif") || !["i16", "u16", "i32", "u32", "f32", "f64"].contains(&kind) {
+            continue;
+        }
+        let terrain = opened(&name, &plain);
+        let unsigned = kind.starts_with('u');
+        // Unsigned numbers cannot hold what lies below the sea.
+        let same = |(a, b): (Option<f64>, Option<f64>)| a == b || (unsigned && b == Some(-12.0));
+        assert!(heights(&terrain).into_iter().zip(heights(&expected)).all(same), "{name}");
+        assert_eq!((terrain.spacing, &terrain.crs), (expected.spacing, &expected.crs), "{name}");
+        files += 1;
+    }
+    assert!(files >= 15, "{files}");
+    for name in ["grid.asc", "grid.bil"] {
+        let terrain = opened(name, &plain);
+        assert_eq!(heights(&terrain), heights(&expected), "{name}");
+        for axis in 0..2 {
+            assert!((terrain.spacing[axis] / expected.spacing[axis] - 1.0).abs() < 1e-9, "{name}");
+        }
+    }
+    assert_eq!(heights(&opened("f32.npy", &plain)), heights(&expected));
+}
+
+#[test]
+fn images_that_others_have_written_load_alike() {
+    let expected = heights(&opened("i16.tif", &DemOptions::default()));
+    let near = |name: &str, options: DemOptions, tolerance: f64| {
+        let found = heights(&opened(name, &options));
+        for (a, b) in found.into_iter().zip(&expected) {
+            // The map of greys holds nothing below 0.
+            let same = match (a, b) {
+                (Some(a), Some(b)) => (a - b).abs() <= tolerance || name == "grid.pgm" && *b < 0.0,
+                (a, b) => a.is_none() == b.is_none() || name == "grid.pgm" && *b == Some(-12.0),
+            };
+            assert!(same, "{name}: {a:?} {b:?}");
+        }
+    };
+    let step = 4185.0 / 65534.0;
+    let with = |nodata| DemOptions { nodata: Some(nodata), ..DemOptions::default() };
+    near("grey.png", DemOptions { heights: Some([-12.0 - step, 4173.0]), ..with(0.0) }, step);
+    near("grid.pgm", with(0.0), 0.0);
+    near("terrarium.png", DemOptions { encoding: Some(Encoding::Terrarium), ..with(0.0) }, 0.0);
+    near("terrain_rgb.png", DemOptions { encoding: Some(Encoding::TerrainRgb), ..with(0.0) }, 1e-9);
+}
+
+#[test]
+fn bytes_squares_and_other_units() {
+    let plain = DemOptions::default();
+    let expected = opened("i16.tif", &plain);
+    for name in ["i8.tif", "u8.tif"] {
+        let terrain = opened(name, &plain);
+        assert_eq!((terrain.voids, terrain.max), (4, 104.0), "{name}");
+    }
+    for name in ["N46E008.hgt.gz", "N46E008.zip"] {
+        let terrain = opened(name, &plain);
+        assert_eq!((terrain.width, terrain.height, terrain.voids), (23, 23, 4), "{name}");
+        let same = |(c, r)| terrain.sample(c, r) == expected.sample(c, r);
+        assert!((0..23).all(|c| (0..23).all(|r| same((c, r)))), "{name}");
+        assert_eq!(terrain.crs.unwrap().to_string(), "EPSG:4326");
+    }
+    let utm = opened("utm.tif", &plain);
+    assert_eq!((utm.spacing, utm.crs.unwrap().to_string()), ([90.0, 90.0], "EPSG:32632".into()));
+    let feet = opened("feet.tif", &plain);
+    assert!((feet.spacing[0] - 100.0 * 1200.0 / 3937.0).abs() < 1e-9, "{:?}", feet.spacing);
+}
+
+#[test]
+fn a_tag_longer_than_any_text_is_left_unread() {
+    let mut bytes = tiff_bytes();
+    // The entry of GDAL's nodata tag: tag, type, count.
+    let entry = [42113u16.to_le_bytes(), 2u16.to_le_bytes()].concat();
+    let at = bytes.windows(4).position(|w| w == entry).unwrap();
+    bytes[at + 4..at + 8].copy_from_slice(&0x7fff_ffffu32.to_le_bytes());
+    assert_eq!(read("a.tif", &bytes, &DemOptions::default()).unwrap().voids, 0);
+}
+
+#[test]
+fn raw_numbers_say_what_they_are_by_ending_or_length() {
+    let shorts: Vec<u8> = [1i16, -2, 3, 4].iter().flat_map(|v| v.to_le_bytes()).collect();
+    for name in ["a.i16", "a.raw", "a.bin"] {
+        let terrain = read(name, &shorts, &spaced()).unwrap();
+        assert_eq!(heights(&terrain), [Some(1.0), Some(-2.0), Some(3.0), Some(4.0)], "{name}");
+    }
+    assert_eq!(heights(&read("a.u16", &shorts, &spaced()).unwrap())[1], Some(65534.0));
+    let options = DemOptions { nodata: Some(-2.0), ..spaced() };
+    assert_eq!(heights(&read("a.i16", &shorts, &options).unwrap())[1], None);
+    assert!(read("a.f32", &shorts, &spaced()).unwrap_err().to_string().contains("no square of float32"));
 }
 
 #[test]
@@ -251,6 +378,9 @@ fn real_files_have_their_known_figures() {
         ("N43E007.hgt", 1201, -16.0, 2060.0, 4),
         ("S46W066.hgt.gz", 3601, -3.0, 146.0, 0),
         ("rockies_srtmgl3.asc", 240, 1943.0, 3286.0, 0),
+        ("sthelens_usgs.dem", 327, 682.0, 2543.0, 4151),
+        ("derived/N46E008.hgt.gz", 1201, 187.0, 4173.0, 103743),
+        ("derived/everest_150.asc", 150, 5000.0, 8840.0, 0),
     ] {
         let Some(path) = extra(name) else { continue };
         let terrain = Terrain::open(path, &DemOptions::default()).unwrap_or_else(|e| panic!("{e}"));

@@ -71,11 +71,11 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         width: width as u32,
         height: height as u32,
         values: if whole {
-            Values::Int(values.into_iter().map(|v| v as i64).collect())
+            Values::I32(values.into_iter().map(|v| v as i32).collect())
         } else {
             Values::F64(values)
         },
-        nodata: get("nodata_value"),
+        nodata: options.nodata.or(get("nodata_value")),
         scale: 1.0,
         offset: 0.0,
         spacing,

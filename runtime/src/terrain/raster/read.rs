@@ -136,7 +136,9 @@ impl Numbers {
 fn singles(values: Values) -> Vec<f32> {
     match values {
         Values::I16(data) => data.into_iter().map(f32::from).collect(),
-        Values::Int(data) => data.into_iter().map(|v| v as f32).collect(),
+        Values::I32(data) => data.into_iter().map(|v| v as f32).collect(),
+        Values::U32(data) => data.into_iter().map(|v| v as f32).collect(),
+        Values::I64(data) => data.into_iter().map(|v| v as f32).collect(),
         Values::U16(data) => data.into_iter().map(f32::from).collect(),
         Values::F32(data) => data,
         Values::F64(data) => data.into_iter().map(|v| v as f32).collect(),

@@ -27,6 +27,7 @@ pub fn open(path: Option<&Path>, reading: &Reading) -> Result<Terrain, Failure> 
         heights: reading.heights,
         encoding: reading.encoding.as_deref().and_then(encoding),
         voids: if reading.voids == "fill" { Voids::Fill } else { Voids::Hole },
+        nodata: reading.nodata,
     };
     let wrong = |e: DemError| Failure::Input(e.to_string());
     let Some(path) = path else { return Terrain::builtin_as(&options).map_err(wrong) };

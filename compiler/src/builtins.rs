@@ -158,9 +158,12 @@ builtins! {
     Nearest "nearest" Terrain Fixed("fn(vec2) -> f32");
     Triangulated "triangulated" Terrain Fixed("fn(vec2) -> f32");
     Bilinear "bilinear" Terrain Fixed("fn(vec2) -> f32");
+    Bicubic "bicubic" Terrain Fixed("fn(vec2) -> f32");
     SunDir "sun_dir" Terrain Fixed("fn() -> vec3");
     SunColor "sun_color" Terrain Fixed("fn() -> vec3");
 
+    // Bicubic at the points of a split of each cell into n x n parts, n whole and at least 1; bilinear between.
+    Subdivided "__subdivided" Library Fixed("fn(vec2, f32) -> f32");
     // (hit, distance) of the first t in [near, far]: surface, origin, direction, near, far.
     Trace "__trace" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> (bool, f32)");
     Occluded "__occluded" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> bool");
@@ -171,7 +174,7 @@ builtins! {
 }
 
 /// Surfaces of LANGUAGE.md section 9 that are samplers of the height field itself.
-pub const SURFACES: &[Builtin] = &[Builtin::Nearest, Builtin::Triangulated, Builtin::Bilinear];
+pub const SURFACES: &[Builtin] = &[Builtin::Nearest, Builtin::Triangulated, Builtin::Bilinear, Builtin::Bicubic];
 
 #[cfg(test)]
 mod tests {

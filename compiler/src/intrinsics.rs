@@ -45,11 +45,19 @@ intrinsics! {
     Nearest "nearest" (F32, F32) -> (F32) 12;
     Triangulated "triangulated" (F32, F32) -> (F32) 25;
     Bilinear "bilinear" (F32, F32) -> (F32) 25;
+    Bicubic "bicubic" (F32, F32) -> (F32) 90;
+    // Bicubic at the points of an n x n split of each cell, bilinear between: (x, y, n) -> z, n whole.
+    Subdivided "subdivided" (F32, F32, F32) -> (F32) 180;
     // Their gradients: (x, y) -> (dz/dx, dz/dy).
     GradientTriangulated "gradient_triangulated" (F32, F32) -> (F32, F32) 25;
     GradientBilinear "gradient_bilinear" (F32, F32) -> (F32, F32) 25;
-    // Its second derivative by x and y; those by one of them alone are 0.
+    GradientBicubic "gradient_bicubic" (F32, F32) -> (F32, F32) 110;
+    GradientSubdivided "gradient_subdivided" (F32, F32, F32) -> (F32, F32) 180;
+    // Second derivatives by x and y; those by one of them alone are 0.
     TwistBilinear "twist_bilinear" (F32, F32) -> (F32) 25;
+    TwistSubdivided "twist_subdivided" (F32, F32, F32) -> (F32) 180;
+    // Second derivatives by x twice, by x and y, by y twice.
+    BendBicubic "bend_bicubic" (F32, F32) -> (F32, F32, F32) 130;
     // First intersection: (origin, direction, near, far) -> (hit, distance).
     TraceTriangulated "trace_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
     TraceBilinear "trace_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;

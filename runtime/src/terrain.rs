@@ -4,6 +4,7 @@
 //! A sample is stored as a raw number; its height is `raw * scale + offset`. Integer data stays 16 bits wide, and
 //! rays are carried into raw units instead of heights out of them.
 
+mod bicubic;
 pub mod dem;
 mod exact;
 mod field;

@@ -19,11 +19,16 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
     match intrinsic {
         Bilinear => Jacobian::Given(GradientBilinear),
         GradientBilinear => Jacobian::Given(TwistBilinear),
+        Bicubic => Jacobian::Given(GradientBicubic),
+        GradientBicubic => Jacobian::Given(BendBicubic),
+        Subdivided => Jacobian::Given(GradientSubdivided),
+        GradientSubdivided => Jacobian::Given(TwistSubdivided),
         Triangulated => Jacobian::Given(GradientTriangulated),
-        Nearest | TwistBilinear | GradientTriangulated => Jacobian::Flat,
+        Nearest | TwistBilinear | TwistSubdivided | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
         Hole => Jacobian::Flat,
-        Highest | Lowest | TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
+        Highest | Lowest | BendBicubic => Jacobian::Unknown,
+        TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
         // Of a raster or a baked function.
         Raster1 => Jacobian::Given(GradientRaster1),
         Raster2 => Jacobian::Given(GradientRaster2),
@@ -51,8 +56,13 @@ pub fn place(intrinsic: Intrinsic, result: usize, operand: usize) -> Option<usiz
                 Reading::Twist => None,
             }
         }
-        None if intrinsic == Intrinsic::GradientBilinear => (result != operand).then_some(0),
-        None => Some(operand),
+        None => match intrinsic {
+            // The number of parts moves in steps.
+            Intrinsic::Subdivided | Intrinsic::GradientSubdivided if operand == 2 => None,
+            Intrinsic::GradientBilinear | Intrinsic::GradientSubdivided => (result != operand).then_some(0),
+            Intrinsic::GradientBicubic => Some(result + operand),
+            _ => Some(operand),
+        },
     }
 }
 

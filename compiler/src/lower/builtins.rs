@@ -477,6 +477,8 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::Nearest => Intrinsic::Nearest,
         Builtin::Triangulated => Intrinsic::Triangulated,
         Builtin::Bilinear => Intrinsic::Bilinear,
+        Builtin::Bicubic => Intrinsic::Bicubic,
+        Builtin::Subdivided => Intrinsic::Subdivided,
         Builtin::SunDir => Intrinsic::SunDir,
         Builtin::SunColor => Intrinsic::SunColor,
         Builtin::Camera => Intrinsic::Camera,

@@ -212,6 +212,9 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
     let mut args = Vec::new();
     for _ in 0..count {
         match intrinsic.params().len() {
+            3 if intrinsic.reading().is_none() => {
+                args.extend([unit() * w, unit() * h, 1.0 + (unit() * 8.0).floor()]);
+            }
             3 => {
                 let slot = scene.layers().iter().find(|(_, l)| l.raster().components == components);
                 let around = |unit: f32, size: f32| (unit * 1.2 - 0.1) * size;

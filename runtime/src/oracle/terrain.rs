@@ -35,6 +35,9 @@ pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> 
     if let ([p], true) = (args, SURFACES.contains(&b)) {
         return sample(oracle, Sampler::Surface(b), [0, 0], p);
     }
+    if let (Builtin::Subdivided, [p, n]) = (b, args) {
+        return sample(oracle, Sampler::Subdivided(n.plain().f32()?), [0, 0], p);
+    }
     if dual::highest(args) > 0 && b != Builtin::Occluded {
         let what = b.name().trim_start_matches('_');
         return Err(RunError::Unsupported(format!("a derivative that needs that of `{what}`")));
@@ -64,6 +67,8 @@ fn unsupported_surface(b: Builtin) -> RunError {
 #[derive(Clone, Copy)]
 enum Sampler {
     Surface(Builtin),
+    /// By the parts along a cell's side.
+    Subdivided(f64),
     /// A data layer: its slot and its components.
     Layer(u32, usize),
 }
@@ -81,6 +86,16 @@ impl Sampler {
                 Some((intrinsic, at)) => ask(oracle, intrinsic, &[p])?[at],
                 None => 0.0,
             })),
+            Sampler::Subdivided(n) => {
+                let (intrinsic, at) = match order {
+                    [0, 0] => (Intrinsic::Subdivided, 0),
+                    [1, 0] => (Intrinsic::GradientSubdivided, 0),
+                    [0, 1] => (Intrinsic::GradientSubdivided, 1),
+                    [1, 1] => (Intrinsic::TwistSubdivided, 0),
+                    _ => return Ok(Datum::F32(0.0)),
+                };
+                Ok(Datum::F32(ask(oracle, intrinsic, &[p, Datum::F32(n)])?[at]))
+            }
             Sampler::Layer(slot, components) => {
                 let (reading, first) = match order {
                     [0, 0] => (Reading::Value, 0),
@@ -115,6 +130,12 @@ fn partial(b: Builtin, order: [u32; 2]) -> Option<(Intrinsic, usize)> {
         (Builtin::Bilinear, [1, 0]) => (Intrinsic::GradientBilinear, 0),
         (Builtin::Bilinear, [0, 1]) => (Intrinsic::GradientBilinear, 1),
         (Builtin::Bilinear, [1, 1]) => (Intrinsic::TwistBilinear, 0),
+        (Builtin::Bicubic, [0, 0]) => (Intrinsic::Bicubic, 0),
+        (Builtin::Bicubic, [1, 0]) => (Intrinsic::GradientBicubic, 0),
+        (Builtin::Bicubic, [0, 1]) => (Intrinsic::GradientBicubic, 1),
+        (Builtin::Bicubic, [2, 0]) => (Intrinsic::BendBicubic, 0),
+        (Builtin::Bicubic, [1, 1]) => (Intrinsic::BendBicubic, 1),
+        (Builtin::Bicubic, [0, 2]) => (Intrinsic::BendBicubic, 2),
         _ => return None,
     })
 }

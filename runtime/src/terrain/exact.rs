@@ -1,6 +1,8 @@
 //! The oracle's terrain: double precision, no pyramid, nothing shared with the walk. A ray is cut at every grid plane
 //! it crosses, the pieces are sorted, and each is intersected with the patch of its cell.
 
+mod bicubic;
+
 use super::field::Terrain;
 use super::layout::SceneUniform;
 use super::ray::WorldRay;

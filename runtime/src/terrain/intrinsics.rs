@@ -1,5 +1,6 @@
 //! The intrinsics evaluated on the CPU: in single precision for the twin, in double precision for the oracle.
 
+use super::bicubic;
 use super::exact::{Field, Surface};
 use super::field::Samples;
 use super::layout::SceneUniform;
@@ -84,6 +85,19 @@ impl Scene {
             Intrinsic::Nearest => give(out, &height(Surface::Nearest)),
             Intrinsic::Triangulated => give(out, &height(Surface::Triangulated)),
             Intrinsic::Bilinear => give(out, &height(Surface::Bilinear)),
+            Intrinsic::Bicubic => give(out, &[field.bicubic(args[0], args[1], [0, 0])]),
+            Intrinsic::GradientBicubic => {
+                give(out, &[[1, 0], [0, 1]].map(|order| field.bicubic(args[0], args[1], order)));
+            }
+            Intrinsic::BendBicubic => {
+                give(out, &[[2, 0], [1, 1], [0, 2]].map(|order| field.bicubic(args[0], args[1], order)));
+            }
+            Intrinsic::Subdivided => give(out, &[field.subdivided(args[0], args[1], args[2], [0, 0])]),
+            Intrinsic::GradientSubdivided => {
+                let by = |order| field.subdivided(args[0], args[1], args[2], order);
+                give(out, &[by([1, 0]), by([0, 1])]);
+            }
+            Intrinsic::TwistSubdivided => give(out, &[field.subdivided(args[0], args[1], args[2], [1, 1])]),
             Intrinsic::GradientTriangulated => {
                 give(out, &field.gradient(Surface::Triangulated, args[0], args[1]));
             }
@@ -144,6 +158,18 @@ fn evaluate<H: Heights>(
         }
         Intrinsic::Bilinear => {
             floats(out, &[surface::height::<H, Bilinear>(scene, heights, arg(0), arg(1))]);
+        }
+        Intrinsic::Bicubic => floats(out, &[bicubic::bicubic(scene, heights, arg(0), arg(1))]),
+        Intrinsic::GradientBicubic => {
+            floats(out, &bicubic::gradient_bicubic(scene, heights, arg(0), arg(1)));
+        }
+        Intrinsic::BendBicubic => floats(out, &bicubic::bend_bicubic(scene, heights, arg(0), arg(1))),
+        Intrinsic::Subdivided => floats(out, &[bicubic::subdivided(scene, heights, [0, 1, 2].map(arg))]),
+        Intrinsic::GradientSubdivided => {
+            floats(out, &bicubic::gradient_subdivided(scene, heights, [0, 1, 2].map(arg)));
+        }
+        Intrinsic::TwistSubdivided => {
+            floats(out, &[bicubic::twist_subdivided(scene, heights, [0, 1, 2].map(arg))]);
         }
         Intrinsic::GradientTriangulated => {
             floats(out, &surface::gradient_triangulated(scene, heights, arg(0), arg(1)));

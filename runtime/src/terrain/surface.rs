@@ -49,7 +49,7 @@ pub(super) fn nearest<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: 
 }
 
 /// Metres per metre; 0 along an axis where the position is beyond the rim.
-fn slope(scene: &SceneUniform, x: f32, y: f32, east: f32, north: f32) -> [f32; 2] {
+pub(super) fn slope(scene: &SceneUniform, x: f32, y: f32, east: f32, north: f32) -> [f32; 2] {
     let across = |axis: usize, w: f32, raw: f32| {
         let inside = w >= 0.0 && w <= scene.cells()[axis] as f32 * scene.spacing[axis];
         if inside { raw * scene.z_scale * scene.inverse_spacing[axis] } else { 0.0 }

@@ -48,7 +48,7 @@ fn scene(terrain: Terrain) -> Scene {
     Scene::new(Arc::new(terrain), &options).unwrap()
 }
 
-fn fields() -> Vec<(&'static str, Scene)> {
+pub(super) fn fields() -> Vec<(&'static str, Scene)> {
     let mut random = Random(1);
     let mut list = vec![
         ("noise", field(33, 29, [30.0, 20.0], |_, _| random.within(0.0, 90.0) as f32)),

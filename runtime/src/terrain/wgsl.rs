@@ -70,6 +70,14 @@ const PIECES: &[Piece] = pieces! {
     "nearest" "nearest" ["scene" "sample"];
     "triangulated" "triangulated" ["cell" "height_triangulated"];
     "bilinear" "bilinear" ["cell" "height_bilinear"];
+    "neighbours" "neighbours" ["scene" "sample"];
+    "fine" "fine" ["neighbours"];
+    "bicubic" "bicubic" ["neighbours"];
+    "gradient_bicubic" "gradient_bicubic" ["neighbours" "slope"];
+    "bend_bicubic" "bend_bicubic" ["neighbours" "slope"];
+    "subdivided" "subdivided" ["fine" "height_bilinear"];
+    "gradient_subdivided" "gradient_subdivided" ["fine" "slope"];
+    "twist_subdivided" "twist_subdivided" ["fine" "slope"];
     "gradient_triangulated" "gradient_triangulated" ["cell" "slope"];
     "gradient_bilinear" "gradient_bilinear" ["cell" "slope"];
     "twist_bilinear" "twist_bilinear" ["cell" "slope"];

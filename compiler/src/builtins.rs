@@ -164,6 +164,10 @@ builtins! {
 
     // Bicubic at the points of a split of each cell into n x n parts, n whole and at least 1; bilinear between.
     Subdivided "__subdivided" Library Fixed("fn(vec2, f32) -> f32");
+    // Texels (i - 1, j) to (i + 2, j) of the micro-heightfield, for whole i and j.
+    MicroRow "__micro_row" Library Fixed("fn(f32, f32) -> vec4");
+    // Means (i, j), (i + 1, j), (i, j + 1) and (i + 1, j + 1) of squares of 2^level x 2^level samples: level, i, j, whole.
+    Means "__means" Library Fixed("fn(f32, f32, f32) -> vec4");
     // (hit, distance) of the first t in [near, far]: surface, origin, direction, near, far.
     Trace "__trace" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> (bool, f32)");
     Occluded "__occluded" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> bool");

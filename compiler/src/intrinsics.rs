@@ -66,6 +66,10 @@ intrinsics! {
     // Bounds of every surface above over a box: (x0, y0, x1, y1) -> z.
     Highest "highest" (F32, F32, F32, F32) -> (F32) 40;
     Lowest "lowest" (F32, F32, F32, F32) -> (F32) 40;
+    // Texels (i - 1, j) to (i + 2, j) of the micro-heightfield, in [-1, 1]: (i, j), whole.
+    MicroRow "micro_row" (F32, F32) -> (F32, F32, F32, F32) 40;
+    // Means (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1) of squares of 2^level x 2^level samples: (level, i, j), whole.
+    Means "means" (F32, F32, F32) -> (F32, F32, F32, F32) 50;
     // Whether the cell at (x, y) touches a missing sample: rays pass through it.
     Hole "hole" (F32, F32) -> (Bool) 20;
     // Primary ray through pixel position (x, y): (origin, direction, near, far).

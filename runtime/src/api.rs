@@ -37,7 +37,7 @@ use crate::kernels::Kernels;
 use crate::machine::{Job, Machine, Wanted};
 use crate::map::Map;
 use crate::rasters::{self, BindError};
-use crate::terrain::{Raster, Scene, SceneError, SceneOptions, Sun, Terrain, View};
+use crate::terrain::{DemError, Micro, Raster, Scene, SceneError, SceneOptions, Sun, Terrain, View};
 use crate::value::Value;
 use ghyll_compiler::compile::{self, CompileError, Compiled, EntryKind};
 use ghyll_compiler::diagnostic::Report;
@@ -58,6 +58,8 @@ pub enum Error {
     Request(String),
     #[error(transparent)]
     Raster(#[from] BindError),
+    #[error(transparent)]
+    Dem(#[from] DemError),
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
@@ -173,6 +175,7 @@ impl Runtime {
             program: program.clone(),
             terrain: None,
             rasters: Vec::new(),
+            micro: None,
             options: SceneOptions::default(),
             compile: compile::Options { want: Some(want), ..Default::default() },
         }
@@ -218,6 +221,7 @@ pub struct SceneBuilder<'a> {
     program: Program,
     terrain: Option<Terrain>,
     rasters: Vec<(String, Arc<Raster>)>,
+    micro: Option<Arc<Micro>>,
     options: SceneOptions,
     compile: compile::Options,
 }
@@ -233,6 +237,16 @@ impl<'a> SceneBuilder<'a> {
     pub fn raster(mut self, name: &str, raster: impl Into<Arc<Raster>>) -> Self {
         self.rasters.push((name.to_string(), raster.into()));
         self
+    }
+
+    /// The tile that `micro` reads in place of the one that comes with Ghyll: one number for each texel, a metre apart; its
+    /// lowest counts as -1, its highest as 1.
+    ///
+    /// # Errors
+    /// [`Error::Dem`] if the raster has more than one channel.
+    pub fn micro(mut self, raster: &Raster) -> Result<Self, Error> {
+        self.micro = Some(Arc::new(Micro::new(raster)?));
+        Ok(self)
     }
 
     pub fn view(mut self, view: View) -> Self {
@@ -285,6 +299,7 @@ impl<'a> SceneBuilder<'a> {
         let compiled = compile::compile(&self.program.0, &self.compile)?;
         let terrain = Arc::new(self.terrain.unwrap_or_else(Terrain::builtin));
         let scene = Scene::new(terrain, &self.options)?;
+        let scene = self.micro.into_iter().fold(scene, |scene, micro| scene.with_micro(micro));
         let module = &self.program.0.module;
         rasters::check_names(module, self.rasters.iter().map(|(name, _)| name.as_str()))?;
         let data = |wanted: &str| self.rasters.iter().find(|(name, _)| name == wanted);

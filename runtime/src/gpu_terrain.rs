@@ -9,7 +9,7 @@ use crate::terrain::raster::Texels;
 use crate::terrain::wgsl::{Format, Uses, pyramid_stage};
 use crate::terrain::{Layer, Scene, Terrain};
 use bytemuck::{Pod, Zeroable};
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// Invocations of the pyramid stage in a workgroup.
@@ -41,12 +41,15 @@ struct Step {
 /// with the field.
 #[derive(Debug)]
 pub struct GpuTerrain {
-    field: Arc<Terrain>,
+    /// Kept by name only: its samples need not stay on the host.
+    field: Weak<Terrain>,
     scene: wgpu::Buffer,
     samples: Option<wgpu::Buffer>,
     bounds: Option<wgpu::Buffer>,
     rasters: Option<wgpu::Buffer>,
     floors: Option<wgpu::Buffer>,
+    micro: Option<wgpu::Buffer>,
+    means: Option<wgpu::Buffer>,
 }
 
 impl GpuTerrain {
@@ -68,14 +71,28 @@ impl GpuTerrain {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
         let (mut samples, mut bounds, mut rasters, mut floors) = (None, None, None, None);
-        if uses.samples || uses.bounds || uses.floors {
-            let words = scene.sample_words();
-            fits("the field's samples", "cut or reduce the field", 4 * words.len() as u64)?;
-            let buffer = device.create_buffer_init(&BufferInitDescriptor {
-                label: Some("terrain samples"),
-                contents: bytemuck::cast_slice(&words),
+        let read_only = |label, words: &[u32]| {
+            device.create_buffer_init(&BufferInitDescriptor {
+                label: Some(label),
+                contents: bytemuck::cast_slice(words),
                 usage: wgpu::BufferUsages::STORAGE,
-            });
+            })
+        };
+        let mut micro = None;
+        if uses.micro {
+            let words = scene.micro().words();
+            fits("the micro-heightfield's texels", "reduce it", 4 * words.len() as u64)?;
+            micro = Some(read_only("terrain micro", &words));
+        }
+        let mut means = None;
+        if uses.means {
+            let words = scene.mean_words();
+            fits("the field's means", "cut or reduce the field", 4 * words.len() as u64)?;
+            means = Some(read_only("terrain means", words));
+        }
+        if uses.samples || uses.bounds || uses.floors {
+            fits("the field's samples", "cut or reduce the field", 4 * scene.sample_word_count())?;
+            let buffer = read_only("terrain samples", &scene.sample_words());
             let pyramid = |side| build_pyramid(device, queue, (scene.terrain(), side), &buffer);
             bounds = uses.bounds.then(|| pyramid(Side::Above));
             floors = uses.floors.then(|| pyramid(Side::Below));
@@ -91,8 +108,8 @@ impl GpuTerrain {
                 mapped_at_creation: false,
             }));
         }
-        let field = scene.terrain().clone();
-        let terrain = GpuTerrain { field, scene: record, samples, bounds, rasters, floors };
+        let field = Arc::downgrade(scene.terrain());
+        let terrain = GpuTerrain { field, scene: record, samples, bounds, rasters, floors, micro, means };
         if let Some(rasters) = &terrain.rasters {
             queue.write_buffer(rasters, 0, bytemuck::cast_slice(&scene.layers().records()));
             for (slot, layer) in scene.layers().iter() {
@@ -104,7 +121,7 @@ impl GpuTerrain {
 
     /// Takes another camera, sun or exaggeration of the same field; false if it is another field.
     pub fn update(&self, queue: &wgpu::Queue, scene: &Scene) -> bool {
-        let same = Arc::ptr_eq(&self.field, scene.terrain());
+        let same = std::ptr::eq(self.field.as_ptr(), Arc::as_ptr(scene.terrain()));
         if same {
             queue.write_buffer(&self.scene, 0, bytemuck::bytes_of(scene.uniform()));
         }
@@ -119,11 +136,12 @@ impl GpuTerrain {
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Bytes on the device: scene record, samples, bounds of both sides, rasters.
-    pub fn bytes(&self) -> [u64; 4] {
+    /// Bytes on the device: scene record, samples, bounds of both sides, rasters, means and the micro-heightfield.
+    pub fn bytes(&self) -> [u64; 5] {
         let size = |buffer: &Option<wgpu::Buffer>| buffer.as_ref().map_or(0, wgpu::Buffer::size);
         let bounds = size(&self.bounds) + size(&self.floors);
-        [self.scene.size(), size(&self.samples), bounds, size(&self.rasters)]
+        let further = size(&self.means) + size(&self.micro);
+        [self.scene.size(), size(&self.samples), bounds, size(&self.rasters), further]
     }
 
     /// Layout of bind group 1 with the bindings that there are buffers for.
@@ -147,7 +165,8 @@ impl GpuTerrain {
 
     /// Every buffer with its binding.
     fn buffers(&self) -> Vec<(u32, &wgpu::Buffer)> {
-        let read = [&self.samples, &self.bounds, &self.rasters, &self.floors].map(Option::as_ref);
+        let read = [&self.samples, &self.bounds, &self.rasters, &self.floors, &self.micro, &self.means];
+        let read = read.map(Option::as_ref);
         let all = std::iter::once(Some(&self.scene)).chain(read);
         (0..).zip(all).filter_map(|(binding, buffer)| Some((binding, buffer?))).collect()
     }

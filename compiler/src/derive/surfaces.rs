@@ -26,7 +26,7 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         Triangulated => Jacobian::Given(GradientTriangulated),
         Nearest | TwistBilinear | TwistSubdivided | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
-        Hole => Jacobian::Flat,
+        Hole | MicroRow | Means => Jacobian::Flat,
         Highest | Lowest | BendBicubic => Jacobian::Unknown,
         TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
         // Of a raster or a baked function.

@@ -479,6 +479,8 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::Bilinear => Intrinsic::Bilinear,
         Builtin::Bicubic => Intrinsic::Bicubic,
         Builtin::Subdivided => Intrinsic::Subdivided,
+        Builtin::MicroRow => Intrinsic::MicroRow,
+        Builtin::Means => Intrinsic::Means,
         Builtin::SunDir => Intrinsic::SunDir,
         Builtin::SunColor => Intrinsic::SunColor,
         Builtin::Camera => Intrinsic::Camera,

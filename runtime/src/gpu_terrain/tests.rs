@@ -34,7 +34,7 @@ fn read(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Ve
     bytemuck::cast_slice(&mapped).to_vec()
 }
 
-const PYRAMID: Uses = Uses { scene: true, samples: false, bounds: true, rasters: false, floors: true };
+const PYRAMID: Uses = Uses { scene: true, samples: false, bounds: true, rasters: false, floors: true, micro: false, means: false };
 
 fn scene(terrain: Terrain) -> Scene {
     Scene::new(Arc::new(terrain), &SceneOptions::default()).unwrap()
@@ -63,9 +63,17 @@ fn only_what_is_used_is_uploaded() {
     let bytes = |uses| GpuTerrain::new(&device, &queue, &scene, uses).unwrap().bytes();
     let none = bytes(Uses { scene: true, ..Uses::default() });
     assert_eq!(none[1..], [0, 0, 0]);
-    let all = bytes(Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true });
+    let all = bytes(Uses {
+        scene: true,
+        samples: true,
+        bounds: true,
+        rasters: true,
+        floors: true,
+        micro: true,
+        means: true,
+    });
     assert_eq!((all[1], all[3]), (9 * 9 * 4, 4 * scene.layers().size()));
-    assert!(all[2] > 0);
+    assert!(all[2] > 0 && all[4] == 4 * (2 + 256 * 128) + 4 * scene.mean_words().len() as u64);
 }
 
 fn random_field(width: u32, height: u32) -> Terrain {
@@ -212,6 +220,14 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
     let mut args = Vec::new();
     for _ in 0..count {
         match intrinsic.params().len() {
+            2 if intrinsic == Intrinsic::MicroRow => {
+                args.extend([unit(), unit()].map(|x| (1000.0 * x).floor() - 500.0));
+            }
+            3 if intrinsic == Intrinsic::Means => {
+                let level = (unit() * 9.0).floor();
+                let place = [unit(), unit()].map(|x| (x * w / level.exp2()).floor());
+                args.extend([level, place[0], place[1]]);
+            }
             3 if intrinsic.reading().is_none() => {
                 args.extend([unit() * w, unit() * h, 1.0 + (unit() * 8.0).floor()]);
             }

@@ -21,7 +21,12 @@ const PLAIN: &[(Builtin, Intrinsic)] = &[
     (Builtin::SunColor, Intrinsic::SunColor),
     (Builtin::Camera, Intrinsic::Camera),
     (Builtin::PixelWidth, Intrinsic::PixelWidth),
+    (Builtin::MicroRow, Intrinsic::MicroRow),
+    (Builtin::Means, Intrinsic::Means),
 ];
+
+/// Built-ins whose results move in steps or not at all.
+const FLAT: &[Builtin] = &[Builtin::Occluded, Builtin::MicroRow, Builtin::Means];
 
 /// Built-ins that take a surface, by surface.
 const ON_SURFACES: &[(Builtin, Builtin, Intrinsic)] = &[
@@ -38,7 +43,7 @@ pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> 
     if let (Builtin::Subdivided, [p, n]) = (b, args) {
         return sample(oracle, Sampler::Subdivided(n.plain().f32()?), [0, 0], p);
     }
-    if dual::highest(args) > 0 && b != Builtin::Occluded {
+    if dual::highest(args) > 0 && !FLAT.contains(&b) {
         let what = b.name().trim_start_matches('_');
         return Err(RunError::Unsupported(format!("a derivative that needs that of `{what}`")));
     }

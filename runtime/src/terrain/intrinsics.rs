@@ -4,6 +4,7 @@ use super::bicubic;
 use super::exact::{Field, Surface};
 use super::field::Samples;
 use super::layout::SceneUniform;
+use super::means;
 use super::patch::{Bilinear, Triangulated};
 use super::pyramid::Bounds;
 use super::range;
@@ -20,11 +21,9 @@ impl World for Scene {
             Samples::I16(data) => size_of_val(data.as_slice()),
             Samples::F32(data) => size_of_val(data.as_slice()),
         };
-        let bounds = match &self.pyramid().bounds {
-            Bounds::I16(data) => size_of_val(data.as_slice()),
-            Bounds::F32(data) => size_of_val(data.as_slice()),
-        };
-        (samples + bounds) as u64 + 4 * self.layers().size()
+        // Every program that looks at the field on the host makes the maximum mipmap.
+        self.pyramid();
+        samples as u64 + self.derived_bytes() + 4 * self.layers().size()
     }
 
     fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
@@ -45,6 +44,21 @@ impl Scene {
             return self.layers().read_f32(reading, args[0], x, y, out);
         }
         let scene = self.uniform();
+        let arg = |i: usize| f32::from_bits(args[i]);
+        match (intrinsic, &self.terrain().samples) {
+            (Intrinsic::MicroRow, _) => return floats(out, &self.micro().row(arg(0), arg(1))),
+            (Intrinsic::Means, Samples::I16(samples)) => {
+                let heights = Heights16 { samples, bounds: &[], floors: &[] };
+                let words = self.mean_words();
+                return floats(out, &means::means(scene, &heights, words, true, [0, 1, 2].map(arg)));
+            }
+            (Intrinsic::Means, Samples::F32(samples)) => {
+                let heights = Heights32 { samples, bounds: &[], floors: &[] };
+                let words = self.mean_words();
+                return floats(out, &means::means(scene, &heights, words, false, [0, 1, 2].map(arg)));
+            }
+            _ => {}
+        }
         let floors = (intrinsic == Intrinsic::Lowest).then(|| &self.floors().bounds);
         match (&self.terrain().samples, &self.pyramid().bounds, floors) {
             (Samples::I16(samples), Bounds::I16(bounds), floors) => {
@@ -103,6 +117,15 @@ impl Scene {
             }
             Intrinsic::GradientBilinear => give(out, &field.gradient(Surface::Bilinear, args[0], args[1])),
             Intrinsic::TwistBilinear => give(out, &[field.twist(args[0], args[1])]),
+            Intrinsic::MicroRow => {
+                give(out, &self.micro().row(args[0] as f32, args[1] as f32).map(f64::from));
+            }
+            Intrinsic::Means => {
+                let exaggerate = self.options().exaggerate;
+                let low = self.terrain().min * exaggerate;
+                let at = [args[0], args[1], args[2]];
+                give(out, &self.means().around(self.terrain(), at, (low, exaggerate)));
+            }
             Intrinsic::TraceTriangulated => give(out, &trace(Surface::Triangulated)),
             Intrinsic::TraceBilinear => give(out, &trace(Surface::Bilinear)),
             Intrinsic::OccludedTriangulated => give(out, &trace(Surface::Triangulated)[..1]),
@@ -122,7 +145,7 @@ impl Scene {
                 let [column, row] = [args[0].floor(), f64::from(uniform.size[1] - 1) - args[1].floor()];
                 give(out, &[column * f64::from(uniform.spacing[0]), row * f64::from(uniform.spacing[1])]);
             }
-            layer => unreachable!("`{}` is a data layer's", layer.name()),
+            other => unreachable!("`{}` is answered before", other.name()),
         }
     }
 }
@@ -198,7 +221,7 @@ fn evaluate<H: Heights>(
             let [column, row] = [arg(0).floor(), (scene.size[1] - 1) as f32 - arg(1).floor()];
             floats(out, &[column * scene.spacing[0], row * scene.spacing[1]]);
         }
-        layer => unreachable!("`{}` is a data layer's", layer.name()),
+        other => unreachable!("`{}` is answered before", other.name()),
     }
 }
 

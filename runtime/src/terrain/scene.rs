@@ -3,7 +3,9 @@
 use super::field::{Samples, Terrain};
 use super::layers::Layers;
 use super::layout::SceneUniform;
-use super::pyramid::{Bounds, MAX_LEVELS, Pyramid, Side};
+use super::means::Means;
+use super::micro::Micro;
+use super::pyramid::{self, Bounds, MAX_LEVELS, Pyramid, Side};
 use super::view::{Camera, View};
 use std::sync::{Arc, OnceLock};
 
@@ -73,25 +75,36 @@ impl Default for SceneOptions {
 #[derive(Clone, Debug)]
 pub struct Scene {
     terrain: Arc<Terrain>,
-    pyramid: Arc<Pyramid>,
-    /// Made when it is first asked for: few programs need it.
-    floors: Arc<OnceLock<Pyramid>>,
+    derived: Arc<Derived>,
+    micro: Option<Arc<Micro>>,
     options: SceneOptions,
     camera: Camera,
     uniform: SceneUniform,
     layers: Arc<Layers>,
 }
 
+/// What is made of the samples when it is first asked for: a program on the GPU asks for none of it on the host.
+#[derive(Debug, Default)]
+struct Derived {
+    above: OnceLock<Pyramid>,
+    below: OnceLock<Pyramid>,
+    /// The average mipmap as it is stored.
+    means: OnceLock<Vec<u32>>,
+    /// The same before it was rounded.
+    exact_means: OnceLock<Means>,
+}
+
 impl Scene {
     pub fn new(terrain: Arc<Terrain>, options: &SceneOptions) -> Result<Scene, SceneError> {
-        let pyramid = Arc::new(Pyramid::new(&terrain, Side::Above));
-        Scene::assemble(terrain, (pyramid, Arc::default()), Arc::default(), options)
+        let (camera, uniform) = seen(&terrain, options)?;
+        let derived = Arc::default();
+        Ok(Scene { terrain, derived, micro: None, options: *options, camera, uniform, layers: Arc::default() })
     }
 
-    /// The same field seen otherwise; its pyramid is shared.
+    /// The same field seen otherwise; what was made of it is shared.
     pub fn with_options(&self, options: &SceneOptions) -> Result<Scene, SceneError> {
-        let pyramids = (self.pyramid.clone(), self.floors.clone());
-        Scene::assemble(self.terrain.clone(), pyramids, self.layers.clone(), options)
+        let (camera, uniform) = seen(&self.terrain, options)?;
+        Ok(Scene { options: *options, camera, uniform, ..self.clone() })
     }
 
     /// The same scene with these data layers.
@@ -99,34 +112,45 @@ impl Scene {
         Scene { layers: Arc::new(layers), ..self.clone() }
     }
 
-    fn assemble(
-        terrain: Arc<Terrain>,
-        (pyramid, floors): (Arc<Pyramid>, Arc<OnceLock<Pyramid>>),
-        layers: Arc<Layers>,
-        options: &SceneOptions,
-    ) -> Result<Scene, SceneError> {
-        if !(options.exaggerate > 0.0 && options.exaggerate.is_finite()) {
-            return Err(SceneError::Exaggeration(options.exaggerate));
-        }
-        if !(options.sun.azimuth.is_finite() && options.sun.elevation.is_finite()) {
-            return Err(SceneError::Sun);
-        }
-        let camera = Camera::new(&options.view, &terrain, options.exaggerate, options.size)?;
-        let uniform = uniform(&terrain, &pyramid, &camera, options);
-        Ok(Scene { terrain, pyramid, floors, options: *options, camera, uniform, layers })
-    }
-
     pub fn terrain(&self) -> &Arc<Terrain> {
         &self.terrain
     }
 
-    pub fn pyramid(&self) -> &Arc<Pyramid> {
-        &self.pyramid
+    /// The maximum mipmap.
+    pub fn pyramid(&self) -> &Pyramid {
+        self.derived.above.get_or_init(|| Pyramid::new(&self.terrain, Side::Above))
     }
 
     /// The minimum mipmap.
     pub fn floors(&self) -> &Pyramid {
-        self.floors.get_or_init(|| Pyramid::new(&self.terrain, Side::Below))
+        self.derived.below.get_or_init(|| Pyramid::new(&self.terrain, Side::Below))
+    }
+
+    /// Bytes of what has been made of the samples on the host.
+    pub fn derived_bytes(&self) -> u64 {
+        let Derived { above, below, means, .. } = &*self.derived;
+        let pyramids = [above, below].map(|p| p.get().map_or(0, Pyramid::bytes));
+        (pyramids[0] + pyramids[1] + 4 * means.get().map_or(0, Vec::len)) as u64
+    }
+
+    /// The average mipmap as the shaders read it.
+    pub fn mean_words(&self) -> &[u32] {
+        self.derived.means.get_or_init(|| Means::new(&self.terrain).words(&self.terrain))
+    }
+
+    /// The same before it was rounded.
+    pub(super) fn means(&self) -> &Means {
+        self.derived.exact_means.get_or_init(|| Means::new(&self.terrain))
+    }
+
+    /// The micro-heightfield: the shipped one unless the host has bound another.
+    pub fn micro(&self) -> &Arc<Micro> {
+        self.micro.as_ref().unwrap_or_else(|| Micro::shipped())
+    }
+
+    /// The same scene with another micro-heightfield.
+    pub fn with_micro(&self, micro: Arc<Micro>) -> Scene {
+        Scene { micro: Some(micro), ..self.clone() }
     }
 
     pub fn options(&self) -> &SceneOptions {
@@ -154,10 +178,18 @@ impl Scene {
         }
     }
 
+    /// Words that the samples take there.
+    pub fn sample_word_count(&self) -> u64 {
+        match &self.terrain.samples {
+            Samples::I16(data) => data.len().div_ceil(2) as u64,
+            Samples::F32(data) => data.len() as u64,
+        }
+    }
+
     /// Bounds as the shaders read them, at least one word.
     pub fn bound_words(&self, side: Side) -> Vec<u32> {
         let pyramid = match side {
-            Side::Above => &self.pyramid,
+            Side::Above => self.pyramid(),
             Side::Below => self.floors(),
         };
         let mut words = match &pyramid.bounds {
@@ -171,7 +203,7 @@ impl Scene {
     }
 }
 
-fn pack(data: &[i16]) -> Vec<u32> {
+pub(super) fn pack(data: &[i16]) -> Vec<u32> {
     let word = |pair: &[i16]| {
         let low = u32::from(pair[0] as u16);
         low | u32::from(pair.get(1).copied().unwrap_or(0) as u16) << 16
@@ -179,14 +211,27 @@ fn pack(data: &[i16]) -> Vec<u32> {
     data.chunks(2).map(word).collect()
 }
 
-fn uniform(terrain: &Terrain, pyramid: &Pyramid, camera: &Camera, options: &SceneOptions) -> SceneUniform {
+fn seen(terrain: &Terrain, options: &SceneOptions) -> Result<(Camera, SceneUniform), SceneError> {
+    if !(options.exaggerate > 0.0 && options.exaggerate.is_finite()) {
+        return Err(SceneError::Exaggeration(options.exaggerate));
+    }
+    if !(options.sun.azimuth.is_finite() && options.sun.elevation.is_finite()) {
+        return Err(SceneError::Sun);
+    }
+    let camera = Camera::new(&options.view, terrain, options.exaggerate, options.size)?;
+    let uniform = uniform(terrain, &camera, options);
+    Ok((camera, uniform))
+}
+
+fn uniform(terrain: &Terrain, camera: &Camera, options: &SceneOptions) -> SceneUniform {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let spacing = terrain.spacing.map(|d| d as f32);
     let scale = terrain.scale * options.exaggerate;
     let offset = terrain.offset * options.exaggerate;
     let raw = |z: f64| ((z - terrain.offset) / terrain.scale) as f32;
     let mut levels = [[0; 4]; MAX_LEVELS];
-    for (row, level) in levels.iter_mut().zip(&pyramid.levels) {
+    let (shapes, _) = pyramid::levels(terrain.width, terrain.height);
+    for (row, level) in levels.iter_mut().zip(&shapes) {
         *row = [level.offset, level.width, level.height, 0];
     }
     SceneUniform {
@@ -197,7 +242,7 @@ fn uniform(terrain: &Terrain, pyramid: &Pyramid, camera: &Camera, options: &Scen
         z_scale: scale as f32,
         z_offset: offset as f32,
         z_inverse_scale: (1.0 / scale) as f32,
-        top: pyramid.top(),
+        top: shapes.len() as u32 - 1,
         size: [terrain.width, terrain.height],
         fuel: 4 * (terrain.width + terrain.height) + 64,
         orthographic: u32::from(camera.orthographic),

@@ -70,6 +70,10 @@ const PIECES: &[Piece] = pieces! {
     "nearest" "nearest" ["scene" "sample"];
     "triangulated" "triangulated" ["cell" "height_triangulated"];
     "bilinear" "bilinear" ["cell" "height_bilinear"];
+    "micro_row" "micro_row" [];
+    "mean.i16" "means_i16" [];
+    "mean.f32" "means_f32" [];
+    "means" "means" ["scene" "sample" "mean"];
     "neighbours" "neighbours" ["scene" "sample"];
     "fine" "fine" ["neighbours"];
     "bicubic" "bicubic" ["neighbours"];
@@ -137,6 +141,10 @@ pub struct Uses {
     pub rasters: bool,
     /// Binding 4, read-only storage: the minimum mipmap, as `bounds`.
     pub floors: bool,
+    /// Binding 5, read-only storage: [`super::Micro::words`].
+    pub micro: bool,
+    /// Binding 6, read-only storage: [`super::Scene::mean_words`].
+    pub means: bool,
 }
 
 /// Declarations of the given intrinsics and of all that they need, each once.
@@ -148,7 +156,15 @@ pub fn wgsl(intrinsics: &[Intrinsic], format: Format) -> Module {
     }
     let uses = |name: &str| placed.contains(&name);
     let (scene, samples, bounds) = (uses("scene"), uses("samples"), uses("bounds"));
-    let uses = Uses { scene, samples, bounds, rasters: uses("rasters"), floors: uses("floors") };
+    let uses = Uses {
+        scene,
+        samples,
+        bounds,
+        rasters: uses("rasters"),
+        floors: uses("floors"),
+        micro: uses("micro_row"),
+        means: uses("means"),
+    };
     Module { uses, text }
 }
 
@@ -227,7 +243,7 @@ mod tests {
             validate(&module.text);
             assert_eq!(
                 module.uses,
-                Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true }
+                Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true, micro: true, means: true }
             );
             assert!(!module.text.contains("SURFACE"));
         }

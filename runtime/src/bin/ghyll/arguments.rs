@@ -174,6 +174,10 @@ pub struct Terrain {
     /// its georeference if both have one, else stretched over the field.
     #[arg(long = "raster", value_name = "NAME=FILE")]
     pub rasters: Vec<String>,
+    /// Tile that `micro` reads: any raster of one channel, texels a metre apart; its lowest number counts as -1, its highest
+    /// as 1.
+    #[arg(long, value_name = "FILE")]
+    pub micro: Option<PathBuf>,
     /// Factor on all heights.
     #[arg(long, value_name = "K", default_value_t = 1.0, allow_hyphen_values = true)]
     pub exaggerate: f64,

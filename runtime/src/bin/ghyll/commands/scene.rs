@@ -6,7 +6,7 @@ use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{
-    DemError, DemOptions, Encoding, NAMED_FOV, NamedView, Raster, Scene, SceneOptions, Sun, Terrain, View,
+    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneOptions, Sun, Terrain, View,
     Voids,
 };
 use std::path::Path;
@@ -106,6 +106,10 @@ impl Asked<'_> {
         }
         let terrain = terrain(arguments)?;
         let scene = Scene::new(Arc::new(terrain), options).map_err(|e| Failure::Usage(e.to_string()))?;
+        let scene = match &arguments.micro {
+            Some(file) => scene.with_micro(Arc::new(micro(file)?)),
+            None => scene,
+        };
         let open = |wanted: &str| {
             let (name, file) = bindings.iter().find(|(name, _)| *name == wanted)?;
             Some(Raster::open(file).map(|raster| {
@@ -129,6 +133,11 @@ impl Asked<'_> {
         let library = self.checked.module.functions.iter().any(|f| f.library);
         !self.compiled.back.wgsl.intrinsics.is_empty() || (self.on == On::Oracle && library)
     }
+}
+
+fn micro(file: &Path) -> Result<Micro, Failure> {
+    let read = Raster::open(file).and_then(|raster| Micro::new(&raster));
+    read.map_err(|e| Failure::Input(e.to_string()))
 }
 
 /// Names with their files.

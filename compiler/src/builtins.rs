@@ -178,7 +178,8 @@ builtins! {
 }
 
 /// Surfaces of LANGUAGE.md section 9 that are samplers of the height field itself.
-pub const SURFACES: &[Builtin] = &[Builtin::Nearest, Builtin::Triangulated, Builtin::Bilinear, Builtin::Bicubic];
+pub const SURFACES: &[Builtin] =
+    &[Builtin::Nearest, Builtin::Triangulated, Builtin::Bilinear, Builtin::Bicubic];
 
 #[cfg(test)]
 mod tests {

@@ -19,7 +19,8 @@ impl Field<'_> {
         let at = |u: f64, v: f64| spline(rows.map(|row| spline(row, u, 0)), v, 0);
         let part = |t: f64| (t * n).floor().min(n - 1.0);
         let (i, j) = (part(u), part(v));
-        let line = |a: f64, b: f64, t: f64, order: u32| if order == 0 { a + t * (b - a) } else { (b - a) * n };
+        let line =
+            |a: f64, b: f64, t: f64, order: u32| if order == 0 { a + t * (b - a) } else { (b - a) * n };
         let row = |j: f64| line(at(i / n, j / n), at((i + 1.0) / n, j / n), u * n - i, order[0]);
         line(row(j), row(j + 1.0), v * n - j, order[1]) * self.unit(x, y, order)
     }

@@ -66,7 +66,7 @@ const BODIES: &[&str] = &[
     "grad(|q| grad(|r| sin(r.x * r.y))(q).x * p.y)(p).y",
     "bilinear(p * 90.0) + triangulated(p.yx * 90.0) * p.x + nearest(p * 60.0) * p.y",
     "bilinear((p - 0.5) * 200.0) + triangulated((p - 0.5) * 200.0)",
-    "bicubic(p * 90.0) + subdivided(p * 90.0, 3)",
+    "bicubic(p * 90.0) + subdivided_by(p * 90.0, 3)",
     "noise(p * 3.0) + fbm(p * 2.0, 4) + ridged(p * 2.0, 3)",
     "grad(bilinear)(p * 90.0).x * p.y + grad(triangulated)(p * 90.0).y",
     "layer(p * 90.0) + dot(colours(p.yx * 80.0), vec3(1.0, p.x, p.y)) + baked(p * 90.0)",

@@ -157,6 +157,32 @@ impl Job<'_> {
         Ok((self.image((width, height), data)?, stats))
     }
 
+    /// As [`Job::render`] of a scene that is not needed afterwards: where a GPU holds it, the host lets go of the samples
+    /// before the picture is made.
+    pub fn render_once(
+        checked: &Checked,
+        compiled: &Compiled,
+        scene: Option<Scene>,
+        (machine, config): (&Machine, &Config),
+        (width, height): (u32, u32),
+    ) -> Result<(Image, Stats), RunError> {
+        let job = Job { checked, compiled, scene: scene.as_ref() };
+        let Machine::Gpu(gpu) = machine else { return job.render(machine, (width, height), config) };
+        let components = compiled.result_words(&checked.module);
+        let started = Instant::now();
+        let mut kernels = Kernels::new(&job, gpu, config, components)?;
+        let figures = job.looked_at(Stats::default(), started.elapsed());
+        drop(scene);
+        let frame = kernels.engine.render(width, height, compiled.back.entry.0)?;
+        let stats = gpu_stats(&frame.stats);
+        let Memory { rasters, bakes, .. } = figures.memory;
+        let terrain = stats.memory.terrain.saturating_sub(rasters + bakes);
+        let memory = Memory { terrain, rasters, bakes, ..stats.memory };
+        let image = Image::new(width, height, components, frame.words)
+            .map_err(|e| RunError::Internal(e.to_string()))?;
+        Ok((image, Stats { baking: figures.baking, memory, ..stats }))
+    }
+
     /// Values of a map entry, one for each sample of the field.
     pub fn map(&self, machine: &Machine, config: &Config) -> Result<(Map, Stats), RunError> {
         let terrain = self

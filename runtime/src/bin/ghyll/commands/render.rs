@@ -28,8 +28,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let [width, height] = arguments.size;
     let progress = report::Bar::start("rendering");
     config.progress = progress.listener();
-    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
-    let outcome = job.render(&machine, (width, height), &config);
+    let outcome = Job::render_once(&checked, &compiled, scene, (&machine, &config), (width, height));
     progress.finish();
     let (picture, stats) = outcome.map_err(Failure::run)?;
     picture.save(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;

@@ -78,7 +78,7 @@ impl Means {
                         None => VOID_CODE,
                     };
                     let pair = |pair: &[f64]| {
-                        u32::from(code(pair.first()).min(VOID_CODE)) | u32::from(code(pair.get(1))) << 16
+                        u32::from(code(pair.first())) | u32::from(code(pair.get(1))) << 16
                     };
                     words.extend(level.means.chunks(2).map(pair));
                 }

@@ -25,7 +25,9 @@ fn noise(x: f64, y: f64, period: u32) -> f64 {
     let (u, v) = (x - i, y - j);
     let corner = |a: f64, b: f64| {
         let wrapped = |k: f64| (k as u32) % period;
-        let angle = f64::from(hash(wrapped(i + a).wrapping_add(hash(wrapped(j + b) + 1000 * period)))) / f64::from(u32::MAX) * TAU;
+        let angle = f64::from(hash(wrapped(i + a).wrapping_add(hash(wrapped(j + b) + 1000 * period))))
+            / f64::from(u32::MAX)
+            * TAU;
         angle.cos() * (u - a) + angle.sin() * (v - b)
     };
     let smooth = |t: f64| t * t * t * (t * (6.0 * t - 15.0) + 10.0);

@@ -34,7 +34,15 @@ fn read(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Ve
     bytemuck::cast_slice(&mapped).to_vec()
 }
 
-const PYRAMID: Uses = Uses { scene: true, samples: false, bounds: true, rasters: false, floors: true, micro: false, means: false };
+const PYRAMID: Uses = Uses {
+    scene: true,
+    samples: false,
+    bounds: true,
+    rasters: false,
+    floors: true,
+    micro: false,
+    means: false,
+};
 
 fn scene(terrain: Terrain) -> Scene {
     Scene::new(Arc::new(terrain), &SceneOptions::default()).unwrap()
@@ -62,7 +70,7 @@ fn only_what_is_used_is_uploaded() {
     let scene = layered(&scene(random_field(9, 9)));
     let bytes = |uses| GpuTerrain::new(&device, &queue, &scene, uses).unwrap().bytes();
     let none = bytes(Uses { scene: true, ..Uses::default() });
-    assert_eq!(none[1..], [0, 0, 0]);
+    assert_eq!(none[1..], [0; 4]);
     let all = bytes(Uses {
         scene: true,
         samples: true,

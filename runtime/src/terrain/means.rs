@@ -77,9 +77,8 @@ impl Means {
                         Some(_) => 0,
                         None => VOID_CODE,
                     };
-                    let pair = |pair: &[f64]| {
-                        u32::from(code(pair.first())) | u32::from(code(pair.get(1))) << 16
-                    };
+                    let pair =
+                        |pair: &[f64]| u32::from(code(pair.first())) | u32::from(code(pair.get(1))) << 16;
                     words.extend(level.means.chunks(2).map(pair));
                 }
                 Samples::F32(_) => {
@@ -92,7 +91,12 @@ impl Means {
     }
 
     /// Means (i, j), (i + 1, j), (i, j + 1) and (i + 1, j + 1) of a level in metres, in double precision.
-    pub fn around(&self, terrain: &Terrain, [level, i, j]: [f64; 3], (low, exaggerate): (f64, f64)) -> [f64; 4] {
+    pub fn around(
+        &self,
+        terrain: &Terrain,
+        [level, i, j]: [f64; 3],
+        (low, exaggerate): (f64, f64),
+    ) -> [f64; 4] {
         let k = (level.max(0.0) as usize).min(self.levels.len());
         let (width, height) = match k {
             0 => (terrain.width, terrain.height),

@@ -98,7 +98,15 @@ impl Scene {
     pub fn new(terrain: Arc<Terrain>, options: &SceneOptions) -> Result<Scene, SceneError> {
         let (camera, uniform) = seen(&terrain, options)?;
         let derived = Arc::default();
-        Ok(Scene { terrain, derived, micro: None, options: *options, camera, uniform, layers: Arc::default() })
+        Ok(Scene {
+            terrain,
+            derived,
+            micro: None,
+            options: *options,
+            camera,
+            uniform,
+            layers: Arc::default(),
+        })
     }
 
     /// The same field seen otherwise; what was made of it is shared.

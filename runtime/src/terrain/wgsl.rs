@@ -243,7 +243,15 @@ mod tests {
             validate(&module.text);
             assert_eq!(
                 module.uses,
-                Uses { scene: true, samples: true, bounds: true, rasters: true, floors: true, micro: true, means: true }
+                Uses {
+                    scene: true,
+                    samples: true,
+                    bounds: true,
+                    rasters: true,
+                    floors: true,
+                    micro: true,
+                    means: true
+                }
             );
             assert!(!module.text.contains("SURFACE"));
         }

@@ -6,8 +6,8 @@ use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{
-    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneOptions, Sun, Terrain, View,
-    Voids,
+    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneOptions, Sun, Terrain,
+    View, Voids,
 };
 use std::path::Path;
 use std::sync::Arc;

@@ -8,12 +8,16 @@ use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout;
 use crate::source::Span;
 use crate::typed::{BinaryOp, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
+use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
+
+/// Enums whose words were compared already, type by type: variants may hold the same words of one enum many times over.
+type Compared = FxHashMap<(Type, Vec<Atom>), Atom>;
 
 impl<'m> Lower<'m> {
     pub(super) fn expr(&mut self, expr: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
         if self.too_large() {
-            return self.placeholder(&env.ty(&expr.ty));
+            return self.standing_in(&env.ty(&expr.ty));
         }
         match &expr.kind {
             ExprKind::Literal(literal) => Value::constant(constant(*literal)),
@@ -93,6 +97,18 @@ impl<'m> Lower<'m> {
             self.bind(&binding.pattern, &bound, &ty, env);
         }
         self.expr(value, env)
+    }
+
+    /// The placeholder of what is not lowered any more, the same one again where as many follow each other.
+    fn standing_in(&mut self, ty: &Type) -> Value<'m> {
+        match &self.stand_in {
+            Some((of, value)) if of == ty => value.clone(),
+            _ => {
+                let value = self.placeholder(ty);
+                self.stand_in = Some((ty.clone(), value.clone()));
+                value
+            }
+        }
     }
 
     /// A value that stands in after an error, or for one that is not known to come at all.
@@ -204,8 +220,12 @@ impl<'m> Lower<'m> {
 
     /// Structural equality: every pair of words is equal.
     fn equal(&mut self, a: &Value<'m>, b: &Value<'m>, ty: &Type) -> Value<'m> {
+        self.equal_once(a, b, ty, &mut Compared::default())
+    }
+
+    fn equal_once(&mut self, a: &Value<'m>, b: &Value<'m>, ty: &Type, compared: &mut Compared) -> Value<'m> {
         let (mut xs, mut ys) = (Vec::new(), Vec::new());
-        self.equality_words(a, b, ty, &mut xs, &mut ys);
+        self.equality_words(a, b, ty, (&mut xs, &mut ys), compared);
         let mut all = Atom::Const(Const::Bool(true));
         for (x, y) in xs.into_iter().zip(ys) {
             let scalar = self.scalar_of(x);
@@ -221,14 +241,24 @@ impl<'m> Lower<'m> {
         a: &Value<'m>,
         b: &Value<'m>,
         ty: &Type,
-        xs: &mut Vec<Atom>,
-        ys: &mut Vec<Atom>,
+        (xs, ys): (&mut Vec<Atom>, &mut Vec<Atom>),
+        compared: &mut Compared,
     ) {
+        // Constants are compared without any operation.
+        self.work(1);
+        if self.too_large() {
+            return;
+        }
         if let Type::Enum(id, args) = ty {
             let (ta, pa) = self.enum_words(a, ty);
             let (tb, pb) = self.enum_words(b, ty);
-            xs.push(ta);
-            ys.push(tb);
+            let words = (ty.clone(), [&[ta, tb], pa.as_slice(), pb.as_slice()].concat());
+            if let Some(same) = compared.get(&words) {
+                xs.push(*same);
+                ys.push(Atom::Const(Const::Bool(true)));
+                return;
+            }
+            let mut all = self.prim(Prim::Eq, Scalar::I32, vec![ta, tb]);
             let variants = layout::variants(self.module, *id, args);
             for tag in 0..variants.len() as u32 {
                 if variants[tag as usize].is_empty() {
@@ -237,19 +267,22 @@ impl<'m> Lower<'m> {
                 let fields_a = self.unpack(*id, args, tag, &pa);
                 let fields_b = self.unpack(*id, args, tag, &pb);
                 let group = Type::Tuple(variants[tag as usize].clone());
-                let same =
-                    self.equal(&Value::Group(fields_a.into()), &Value::Group(fields_b.into()), &group).atom();
+                let (fields_a, fields_b) = (Value::Group(fields_a.into()), Value::Group(fields_b.into()));
+                let same = self.equal_once(&fields_a, &fields_b, &group, compared).atom();
                 let tag_atom = Atom::Const(Const::I32(tag as i32));
                 let other = self.prim(Prim::Ne, Scalar::I32, vec![ta, tag_atom]);
-                xs.push(self.prim(Prim::Or, Scalar::Bool, vec![other, same]));
-                ys.push(Atom::Const(Const::Bool(true)));
+                let held = self.prim(Prim::Or, Scalar::Bool, vec![other, same]);
+                all = self.prim(Prim::And, Scalar::Bool, vec![all, held]);
             }
+            compared.insert(words, all);
+            xs.push(all);
+            ys.push(Atom::Const(Const::Bool(true)));
             return;
         }
         match layout::items(self.module, ty) {
             Some(items) => {
                 for ((a, b), t) in a.items().iter().zip(b.items()).zip(&items) {
-                    self.equality_words(a, b, t, xs, ys);
+                    self.equality_words(a, b, t, (xs, ys), compared);
                 }
             }
             None => {

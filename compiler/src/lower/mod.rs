@@ -148,6 +148,8 @@ struct Lower<'m> {
     grown: bool,
     /// Functions of which no way to an end is known, with their places.
     endless: Vec<(String, Span)>,
+    /// The last placeholder, and its type.
+    stand_in: Option<(Type, Value<'m>)>,
 }
 
 /// The function under construction.
@@ -192,6 +194,7 @@ impl<'m> Lower<'m> {
             yields,
             grown: false,
             endless: Vec::new(),
+            stand_in: None,
         }
     }
 

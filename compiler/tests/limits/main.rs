@@ -55,9 +55,9 @@ fn main() -> ExitCode {
     ];
     let mut trials: Vec<Trial> = families
         .into_iter()
-        .map(|(name, texts)| Trial::test(name, move || within_limits(texts(BYTES))))
+        .map(|(name, texts)| Trial::test(format!("limits::{name}"), move || within_limits(texts(BYTES))))
         .collect();
-    trials.push(Trial::test("what_takes_too_much_is_found", planted));
+    trials.push(Trial::test("limits::what_takes_too_much_is_found", planted));
     // One by one, so that no text waits for another's memory.
     let arguments = Arguments { test_threads: Some(1), ..Arguments::from_args() };
     libtest_mimic::run(&arguments, trials).exit_code()

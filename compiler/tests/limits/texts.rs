@@ -791,6 +791,27 @@ pub fn growing() -> Vec<Text> {
             "fn main(x: E9) -> bool = x == x;",
             11,
         ),
+        grown(
+            "comparisons of enums",
+            "enum E0 { A0(i32), B0(f32) }",
+            "enum E# { A#(E%), B#(E%) }\n",
+            "fn main(x: E$) -> bool = x == x;",
+            40,
+        ),
+        grown(
+            "comparisons of enums at other words",
+            "enum E0 { A0(i32), B0(f32) }",
+            "enum E# { A#(E%), B#(f32, E%) }\n",
+            "fn main(x: E$) -> bool = x == x;",
+            40,
+        ),
+        grown(
+            "comparisons of known enums",
+            "enum E0 { A0(i32), B0(f32) }",
+            "enum E# { A#(E%), B#(f32, E%) } fn f#() -> E# = A#(f%());\n",
+            "fn f0() -> E0 = A0(1); fn main() -> bool = f$() == f$();",
+            40,
+        ),
     ];
     let plain = [
         ("a large array", "fn main(n: i32) -> i32 { let a: [i32; 1000000000] = a; 1 }"),
@@ -984,6 +1005,20 @@ pub fn types(bytes: usize) -> Vec<Text> {
             format!(
                 "struct S(a: [f32; 4000], n: i32); fn main(s: S, n: i32) -> i32 {{ {} s.n }}",
                 numbered("let s = s with (n: s.n + n); ", bytes)
+            ),
+        ),
+        text(
+            "many choices of 400 words",
+            format!(
+                "fn main(a: [f32; 400], c: [f32; 400], n: i32) -> f32 {{ {} a[n] }}",
+                numbered("let a = if n == # { a } else { c }; ", bytes)
+            ),
+        ),
+        text(
+            "many updates of an option of 400 words",
+            format!(
+                "fn main(a: [f32; 400], n: i32) -> f32 {{ let o = Some(a); {} match o {{ Some(a) => a[n], None => 1.0 }} }}",
+                numbered("let o = if n == # { o } else { None }; ", bytes)
             ),
         ),
     ]

@@ -171,6 +171,12 @@ builtins! {
     // (hit, distance) of the first t in [near, far]: surface, origin, direction, near, far.
     Trace "__trace" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> (bool, f32)");
     Occluded "__occluded" Library Fixed("fn(fn(vec2) -> f32, vec3, vec3, f32, f32) -> bool");
+    // Bounds over a box of ground (low, high), made by the compiler: what no height exceeds; along a direction whether the
+    // surface is known not to jump, its least and its greatest slope.
+    Above "__above" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2) -> f32");
+    Along "__along" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2) -> (bool, f32, f32)");
+    // Whether the cell at a position touches a missing sample.
+    Hole "__hole" Library Fixed("fn(vec2) -> bool");
     // (origin, direction, near, far) of the primary ray through a pixel.
     Camera "__camera" Library Fixed("fn(vec2) -> (vec3, vec3, f32, f32)");
     // A pixel's width at distance t is x + y * t.

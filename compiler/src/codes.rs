@@ -115,6 +115,7 @@ codes! {
     TOO_MUCH_CODE "E0513" "a program that specialisation makes too large";
     NO_DERIVATIVE "E0515" "a derivative of something that has none";
     ENDLESS_DERIVATIVE "E0516" "a derivative that needs its own derivative";
+    UNBOUNDED_SURFACE "E0517" "a traced surface without an upper bound";
     NOT_AN_ENTRY "E0514" "a function that cannot be an entry";
 
     UNREACHABLE_ARM "W0601" "an arm that can never be reached";
@@ -124,7 +125,6 @@ codes! {
     UNUSED_MODULE "W0605" "a module that nothing is taken from";
     UNUSED_PARAM "W0606" "a parameter that nothing reads";
 
-    TRACED_SURFACE "E0902" "tracing this surface is not supported yet";
     LIVE_FUNCTION "E0906" "a live parameter whose functions cannot be replaced";
 }
 

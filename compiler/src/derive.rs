@@ -39,6 +39,9 @@ pub struct Request {
     pub base: FnId,
     /// Parameters that move, 1 or 2; those before them stand still.
     pub directions: usize,
+    /// Value and slope along a direction that two more parameters give, in place of slopes along the axes. Where there is
+    /// no derivative the hole is filled with the value alone, without a complaint.
+    pub along: bool,
     /// The expression that asks for the derivative.
     pub span: Span,
 }
@@ -46,20 +49,28 @@ pub struct Request {
 /// Derivatives of derivatives of .. may not multiply a program beyond so many statements.
 const STATEMENT_LIMIT: usize = 400_000;
 
-/// Writes the requested functions and those they call.
-pub fn fill(functions: &mut Vec<Option<Function>>, requests: &[Request]) -> Result<(), Vec<Diagnostic>> {
-    fill_by(RULES, functions, requests)
+/// Writes the requested functions and those they call. `gradients` names functions of a position whose gradient another
+/// yields. Tells how many words of each function with values and slopes are values.
+pub fn fill(
+    functions: &mut Vec<Option<Function>>,
+    requests: &[Request],
+    gradients: &HashMap<FnId, FnId>,
+) -> Result<HashMap<FnId, usize>, Vec<Diagnostic>> {
+    fill_by(RULES, functions, requests, gradients)
 }
 
 fn fill_by(
     rules: &'static Rules,
     functions: &mut Vec<Option<Function>>,
     requests: &[Request],
-) -> Result<(), Vec<Diagnostic>> {
+    gradients: &HashMap<FnId, FnId>,
+) -> Result<HashMap<FnId, usize>, Vec<Diagnostic>> {
     let mut derive = Derive {
         rules,
         functions,
         requests: requests.iter().map(|r| (r.hole, r)).collect(),
+        gradients,
+        values: HashMap::new(),
         open: HashSet::new(),
         activity: Activity::default(),
         derived: HashMap::new(),
@@ -70,10 +81,13 @@ fn fill_by(
         errors: Vec::new(),
     };
     derive.names = Names::of(derive.functions.iter().flatten());
-    for request in requests {
+    for request in requests.iter().filter(|r| !r.along) {
         derive.request(request);
     }
-    if derive.errors.is_empty() { Ok(()) } else { Err(derive.errors) }
+    for request in requests.iter().filter(|r| r.along) {
+        derive.along(request);
+    }
+    if derive.errors.is_empty() { Ok(derive.values) } else { Err(derive.errors) }
 }
 
 /// A function and what moves among its parameters.
@@ -83,6 +97,8 @@ struct Derive<'a> {
     rules: &'static Rules,
     functions: &'a mut Vec<Option<Function>>,
     requests: HashMap<FnId, &'a Request>,
+    gradients: &'a HashMap<FnId, FnId>,
+    values: HashMap<FnId, usize>,
     /// Requests whose function is being made ready.
     open: HashSet<FnId>,
     activity: Activity,
@@ -117,15 +133,50 @@ impl Derive<'_> {
         let moving = (0..base.params.len()).map(|i| if i < still { 0 } else { 1 << (i - still) }).collect();
         let function = transform::slopes(self, &base, moving);
         self.put(request.hole, function);
+        self.drain();
+        self.open.remove(&request.hole);
+    }
+
+    /// Writes the derived functions that are called.
+    fn drain(&mut self) {
         while let Some((id, moving)) = self.queue.pop()
             && self.errors.is_empty()
         {
             let base = self.functions[id.0 as usize].clone().expect("the holes below are filled");
             let hole = self.derived[&(id, moving.clone())];
             let function = transform::with_slopes(self, &base, moving);
+            self.values.insert(hole, base.vars.len());
             self.put(hole, function);
         }
-        self.open.remove(&request.hole);
+    }
+
+    /// Both parameters of a position move, in one direction.
+    fn along(&mut self, request: &Request) {
+        if !self.errors.is_empty() {
+            return;
+        }
+        self.span = Some(request.span);
+        let base = self.functions[request.base.0 as usize].clone().expect("every other hole is filled");
+        let still = base.params.len() - 2;
+        let moving = (0..base.params.len()).map(|i| Mask::from(i >= still)).collect();
+        let function = transform::with_slopes(self, &base, moving);
+        self.values.insert(request.hole, base.vars.len());
+        self.put(request.hole, function);
+        self.drain();
+        if self.errors.iter().any(|e| e.code == codes::NO_DERIVATIVE) {
+            self.errors.retain(|e| e.code != codes::NO_DERIVATIVE);
+            self.values.remove(&request.hole);
+            self.functions[request.hole.0 as usize] = Some(base);
+            // What was derived in vain is not called.
+            for (id, moving) in std::mem::take(&mut self.queue) {
+                let hole = self.derived[&(id, moving)];
+                let unused = self.functions[id.0 as usize].clone();
+                self.functions[hole.0 as usize] = unused.map(|f| {
+                    let name = self.names.fresh(&f.name);
+                    Function { name, ..f }
+                });
+            }
+        }
     }
 
     fn put(&mut self, hole: FnId, function: Function) {

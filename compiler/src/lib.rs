@@ -7,6 +7,7 @@ pub mod argument;
 pub mod ast;
 pub mod back;
 pub mod bake;
+mod bounds;
 pub mod builtins;
 pub mod codes;
 pub mod compile;

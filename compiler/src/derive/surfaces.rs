@@ -27,7 +27,7 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         Nearest | TwistBilinear | TwistSubdivided | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
         Hole | MicroRow | Means => Jacobian::Flat,
-        Highest | Lowest | BendBicubic => Jacobian::Unknown,
+        Highest | Lowest | Inclines | BendBicubic => Jacobian::Unknown,
         TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
         // Of a raster or a baked function.
         Raster1 => Jacobian::Given(GradientRaster1),

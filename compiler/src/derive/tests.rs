@@ -97,8 +97,8 @@ fn program(prim: Prim, n: usize, k: usize, rules: &'static Rules) -> Program {
     let results = vec![Scalar::F32];
     let base = Function { name: "base".into(), params, results, vars, body, mark: Mark::Auto, span: None };
     let mut functions = vec![Some(base), None];
-    let request = Request { hole: FnId(1), base: FnId(0), directions: 1, span: nowhere() };
-    fill_by(rules, &mut functions, &[request]).expect("an operation has a derivative");
+    let request = Request { hole: FnId(1), base: FnId(0), directions: 1, along: false, span: nowhere() };
+    fill_by(rules, &mut functions, &[request], &Default::default()).expect("an operation has a derivative");
     let program =
         Program { functions: functions.into_iter().flatten().collect(), entry: 1, live: Vec::new() };
     verify::program(&program).expect("is core");
@@ -178,7 +178,12 @@ fn derived(text: &str, directions: usize) -> Program {
     let hole = FnId(program.functions.len() as u32);
     let mut functions: Vec<Option<Function>> = program.functions.drain(..).map(Some).collect();
     functions.push(None);
-    fill(&mut functions, &[Request { hole, base: FnId(0), directions, span: nowhere() }]).expect("fills");
+    fill(
+        &mut functions,
+        &[Request { hole, base: FnId(0), directions, along: false, span: nowhere() }],
+        &Default::default(),
+    )
+    .expect("fills");
     let functions = functions.into_iter().flatten().collect();
     let program = Program { functions, entry: hole.0, live: Vec::new() };
     verify::program(&program).unwrap_or_else(|why| panic!("{why}\n{}", print::program(&program)));

@@ -5,7 +5,7 @@ use super::activity::{Mask, mask};
 use super::rules::{Emit, Partial, Rule, number, rule};
 use super::surfaces::{Jacobian, jacobian, place};
 use crate::codes;
-use crate::core::{Atom, Block, Const, Function, Intrinsic, Loop, Op, Prim, Scalar, Stmt, Var};
+use crate::core::{Atom, Block, Const, FnId, Function, Intrinsic, Loop, Op, Prim, Scalar, Stmt, Var};
 use crate::diagnostic::Diagnostic;
 
 /// Slope of a word in each direction; none where it stands still.
@@ -152,6 +152,10 @@ impl<'a, 'd> Transform<'a, 'd> {
                     self.out.push(stmt.clone());
                     return;
                 }
+                if let Some(gradient) = self.derive.gradients.get(id).copied() {
+                    self.out.push(stmt.clone());
+                    return self.given(stmt.dst[0], gradient, args);
+                }
                 let mut operands = args.clone();
                 operands.extend(self.packed(args, &moving));
                 let derived = self.derive.derived(*id, moving);
@@ -173,6 +177,18 @@ impl<'a, 'd> Transform<'a, 'd> {
             }
             Op::Live(_) => self.out.push(stmt.clone()),
         }
+    }
+
+    /// The slope of a function of a position by another that yields its gradient.
+    fn given(&mut self, dst: Var, gradient: FnId, args: &[Atom]) {
+        let words: Vec<Var> = args.iter().map(|_| self.emit().fresh(Scalar::F32)).collect();
+        self.out.push(Stmt { dst: words.clone(), op: Op::Call(gradient, args.to_vec()) });
+        let terms: Vec<(Partial, Slopes)> = words
+            .into_iter()
+            .zip(args)
+            .map(|(word, arg)| (Partial::Times(Atom::Var(word)), self.of(*arg)))
+            .collect();
+        self.chain(dst, &terms);
     }
 
     fn repeat(&mut self, dst: &[Var], l: &Loop) {

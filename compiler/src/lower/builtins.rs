@@ -1,12 +1,11 @@
 //! Built-ins in scalars. Vector operations are written out in the order that all machines share.
 
+use super::Lower;
 use super::call::Application;
 use super::value::{Closure, Value};
-use super::{Lower, unsupported};
+use crate::bounds::Ask;
 use crate::builtins::{Builtin, Shape};
-use crate::codes;
 use crate::core::{Atom, Const, Intrinsic, Op, Prim, Scalar};
-use crate::source::Span;
 use crate::typed::{ExprKind, Type};
 use Scalar::{F32, U32};
 
@@ -70,10 +69,15 @@ impl<'m> Lower<'m> {
                 let parts: Vec<Atom> = args.iter().flat_map(Value::components).collect();
                 Value::Group(parts.chunks(n as usize).map(|column| Value::vector(column.to_vec())).collect())
             }
-            Builtin::Trace => self.on_surface(at, [Intrinsic::TraceTriangulated, Intrinsic::TraceBilinear]),
-            Builtin::Occluded => {
-                self.on_surface(at, [Intrinsic::OccludedTriangulated, Intrinsic::OccludedBilinear])
+            Builtin::Trace => {
+                self.on_surface(at, [Intrinsic::TraceTriangulated, Intrinsic::TraceBilinear], "_first")
             }
+            Builtin::Occluded => {
+                let intrinsics = [Intrinsic::OccludedTriangulated, Intrinsic::OccludedBilinear];
+                self.on_surface(at, intrinsics, "_blocked")
+            }
+            Builtin::Above => self.enclosure(Ask::Above, at),
+            Builtin::Along => self.enclosure(Ask::Along, at),
             _ => match direct(builtin) {
                 Some(intrinsic) => self.intrinsic(intrinsic, args, at.result),
                 None => unreachable!("`{}` has a row above", builtin.name()),
@@ -99,24 +103,22 @@ impl<'m> Lower<'m> {
         self.unflatten(result, &mut words.into_iter())
     }
 
-    /// An operation that has an intrinsic for each surface: (triangulated, bilinear).
-    fn on_surface(&mut self, at: Application<'_, 'm>, [triangulated, bilinear]: [Intrinsic; 2]) -> Value<'m> {
+    /// An operation that has an intrinsic for each surface (triangulated, bilinear), and a library function for any other.
+    fn on_surface(
+        &mut self,
+        at: Application<'_, 'm>,
+        [triangulated, bilinear]: [Intrinsic; 2],
+        general: &str,
+    ) -> Value<'m> {
         let intrinsic = match self.surface(&at.args[0]) {
             Some(Builtin::Triangulated) => triangulated,
             Some(Builtin::Bilinear) => bilinear,
-            _ => return self.no_surface(at.span, at.result),
+            _ => {
+                let id = self.library(general).expect("tracing is named by the library alone");
+                return self.apply(&Value::function(Closure::Function(id, Vec::new())), at);
+            }
         };
         self.intrinsic(intrinsic, &at.args[1..], at.result)
-    }
-
-    fn no_surface(&mut self, span: Span, result: &Type) -> Value<'m> {
-        self.error(unsupported(
-            codes::TRACED_SURFACE,
-            span,
-            "tracing this surface is not supported yet",
-            "use `bilinear` or `triangulated`, or a function that only passes its position on to one of them",
-        ));
-        self.placeholder(result)
     }
 
     /// The sampler behind a surface: itself, or a function that only forwards its argument.
@@ -485,6 +487,7 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::SunColor => Intrinsic::SunColor,
         Builtin::Camera => Intrinsic::Camera,
         Builtin::PixelWidth => Intrinsic::PixelWidth,
+        Builtin::Hole => Intrinsic::Hole,
         _ => return None,
     })
 }

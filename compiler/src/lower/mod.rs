@@ -5,6 +5,7 @@
 //! known at compile time leave no trace. Values whose branch is known now (`if` on a parameter, `match` on a known variant)
 //! lower only that branch.
 
+mod bounds;
 mod builtins;
 mod call;
 mod choice;
@@ -19,6 +20,7 @@ mod specialise;
 mod value;
 mod words;
 
+use crate::bounds::{self as bounds_of, Known};
 use crate::codes::{self, Code};
 use crate::compile::EntryKind;
 use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
@@ -128,6 +130,9 @@ struct Lower<'m> {
     /// Functions whose derivatives are to be made, and where those are called.
     derivatives: HashMap<FnId, FnId>,
     requests: Vec<Request>,
+    /// Functions whose bounds are to be made, and where those are called.
+    enclosures: HashMap<(FnId, bounds_of::Ask), FnId>,
+    bounds: Vec<bounds_of::Request>,
     /// First word of each live parameter.
     live: BTreeMap<ParamId, u32>,
     live_names: Vec<(String, Vec<Scalar>)>,
@@ -183,6 +188,8 @@ impl<'m> Lower<'m> {
             errors: Vec::new(),
             derivatives: HashMap::new(),
             requests: Vec::new(),
+            enclosures: HashMap::new(),
+            bounds: Vec::new(),
             live: BTreeMap::new(),
             live_names: Vec::new(),
             slots: BTreeMap::new(),
@@ -209,8 +216,13 @@ impl<'m> Lower<'m> {
 
     /// All functions once none is queued, with the derivatives that they call.
     fn functions_made(&mut self) -> Result<Vec<Function>, Vec<Diagnostic>> {
+        let known = self.known_functions();
+        self.drain()?;
+        let gradient = |of: Known| known.iter().find(|(_, k)| Some(*k) == of.gradient()).map(|(id, _)| *id);
+        let gradients = known.iter().filter_map(|(id, k)| Some((*id, gradient(*k)?))).collect();
         let mut functions = std::mem::take(&mut self.functions);
-        derive::fill(&mut functions, &self.requests)?;
+        let values = derive::fill(&mut functions, &self.requests, &gradients)?;
+        bounds_of::fill(&mut functions, &self.bounds, &known.into_iter().collect(), &values)?;
         Ok(functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect())
     }
 

@@ -4,7 +4,7 @@ use super::call::Application;
 use super::value::Value;
 use super::words::shape;
 use super::{Env, Lower};
-use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Var};
+use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Stmt, Var};
 use crate::layout;
 use crate::source::Span;
 use crate::typed::{Expr, RangeForm, RangeOp, Type};
@@ -87,6 +87,11 @@ impl<'m> Lower<'m> {
             state.extend(next);
             state
         });
+        let mut body = Block { stmts, results };
+        let mut cond = cond;
+        if op == RangeOp::Fold {
+            end_at_rest(&mut cond, &mut body, &carried, &mut self.builder.vars);
+        }
         let kind = match op {
             RangeOp::Fold => LoopKind::Fold,
             RangeOp::Sum => LoopKind::Sum,
@@ -94,7 +99,7 @@ impl<'m> Lower<'m> {
             RangeOp::All => LoopKind::All,
         };
         let state = std::iter::once(index).chain(carried).zip(first).collect();
-        let repeat = Loop { state, cond, body: Block { stmts, results }, kind };
+        let repeat = Loop { state, cond, body, kind };
         let results: Vec<Scalar> = std::iter::once(Scalar::I32).chain(scalars).collect();
         let last = self.emit(Op::Loop(repeat), &results);
         self.unflatten(&ty, &mut last.into_iter().skip(1))
@@ -150,4 +155,35 @@ impl<'m> Lower<'m> {
             return self.rebuild(&like, ty, &mut last.into_iter().skip(1));
         }
     }
+}
+
+/// A `fold` whose step leaves the accumulator alone once a truth value in it is false stands still from there on, so it ends.
+fn end_at_rest(cond: &mut Block, body: &mut Block, carried: &[Var], vars: &mut Vec<Scalar>) {
+    let [Stmt { dst, op: Op::If(Atom::Var(open), _, no) }, count] = body.stmts.as_slice() else { return };
+    if !carried.contains(open) || !no.stmts.is_empty() {
+        return;
+    }
+    let place = |atom: &Atom| dst.iter().position(|v| Atom::Var(*v) == *atom);
+    let rests = body.results[1..].iter().zip(carried).all(|(next, word)| {
+        let word = Atom::Var(*word);
+        *next == word || place(next).is_some_and(|at| no.results[at] == word)
+    });
+    if !rests {
+        return;
+    }
+    let (open, count) = (*open, count.clone());
+    let places: Vec<Option<usize>> = body.results[1..].iter().map(place).collect();
+    let Some(Stmt { op: Op::If(_, yes, _), .. }) = body.stmts.drain(..).next() else { return };
+    for (next, at) in body.results[1..].iter_mut().zip(places) {
+        if let Some(at) = at {
+            *next = yes.results[at];
+        }
+    }
+    body.stmts = yes.stmts;
+    body.stmts.push(count);
+    vars.push(Scalar::Bool);
+    let both = Var(vars.len() as u32 - 1);
+    let op = Op::Prim(Prim::And, Scalar::Bool, vec![cond.results[0], Atom::Var(open)]);
+    cond.stmts.push(Stmt { dst: vec![both], op });
+    cond.results = vec![Atom::Var(both)];
 }

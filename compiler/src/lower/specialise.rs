@@ -24,6 +24,13 @@ pub struct Key {
     args: Vec<Shape>,
 }
 
+impl Key {
+    /// Is it a specialisation of this function?
+    pub fn is_of(&self, id: FunctionId) -> bool {
+        matches!(&self.callee, CalleeKey::Function(of, _) if *of == id)
+    }
+}
+
 #[derive(Clone, PartialEq, Eq, Hash)]
 enum CalleeKey {
     Function(FunctionId, Vec<Type>),

@@ -13,6 +13,7 @@ mod float;
 mod integer;
 mod operator;
 mod pattern;
+mod search;
 mod terrain;
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use ghyll_compiler::typed::{BinaryOp, Expr, ExprKind, LocalId, RasterId};
 use super::datum::{Callable, Datum, Frame};
 use super::evaluator::Evaluator;
 use super::float::Precision;
-use super::{dual, operator};
+use super::{dual, operator, search};
 use crate::error::RunError;
 
 /// Built-ins that are one intrinsic.
@@ -23,6 +23,7 @@ const PLAIN: &[(Builtin, Intrinsic)] = &[
     (Builtin::PixelWidth, Intrinsic::PixelWidth),
     (Builtin::MicroRow, Intrinsic::MicroRow),
     (Builtin::Means, Intrinsic::Means),
+    (Builtin::Hole, Intrinsic::Hole),
 ];
 
 /// Built-ins whose results move in steps or not at all.
@@ -56,16 +57,16 @@ pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> 
     };
     let surface = sampler(oracle, f)?;
     let row = ON_SURFACES.iter().find(|(row, on, _)| *row == b && Some(*on) == surface);
-    let (.., intrinsic) = row.ok_or_else(|| unsupported_surface(b))?;
+    let Some((.., intrinsic)) = row else {
+        let f = f.clone();
+        let found = search::first(oracle, &f, &args[1..])?;
+        return Ok(match b {
+            Builtin::Occluded => Datum::Bool(found.is_some()),
+            _ => Datum::Fields([Datum::Bool(found.is_some()), Datum::F32(found.unwrap_or(0.0))].into()),
+        });
+    };
     let values = ask(oracle, *intrinsic, &args[1..])?;
     Ok(shape(b, *intrinsic, &values))
-}
-
-fn unsupported_surface(b: Builtin) -> RunError {
-    let what = b.name().trim_start_matches('_');
-    RunError::Unsupported(format!(
-        "`{what}` in the oracle on a surface other than `triangulated` or `bilinear`"
-    ))
 }
 
 /// What is read at a position.
@@ -185,7 +186,11 @@ pub fn raster<'m>(oracle: &Evaluator<'m>, id: RasterId, args: &[Datum<'m>]) -> R
 }
 
 /// Results of an intrinsic for arguments laid out one after the other.
-fn ask<'m>(oracle: &Evaluator<'m>, intrinsic: Intrinsic, args: &[Datum<'m>]) -> Result<Vec<f64>, RunError> {
+pub(super) fn ask<'m>(
+    oracle: &Evaluator<'m>,
+    intrinsic: Intrinsic,
+    args: &[Datum<'m>],
+) -> Result<Vec<f64>, RunError> {
     let world = oracle.world.ok_or_else(|| {
         RunError::Unsupported(format!("`{}` without a terrain; name one with --dem", intrinsic.name()))
     })?;

@@ -99,6 +99,30 @@ impl<'a> Field<'a> {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], z| [lo.min(z), hi.max(z)])
     }
 
+    /// Least and greatest step between neighbouring samples of a box's cells by x and by y, metres a metre; a void counts as the
+    /// field's lowest height.
+    pub fn inclines(&self, ends: &[f64]) -> [f64; 4] {
+        let grid = |axis: usize, w: f64| (w / self.spacing[axis]).max(0.0).min(self.cells()[axis]);
+        let low = self.cell(grid(0, ends[0]), grid(1, ends[1]));
+        let high = self.cell(grid(0, ends[2]), grid(1, ends[3]));
+        let height = |c: u32, r: u32| self.sample(c, r).unwrap_or(self.low);
+        let mut found = [f64::MAX, f64::MIN, f64::MAX, f64::MIN];
+        for (i, j) in (low.0..=high.0 + 1).flat_map(|i| (low.1..=high.1 + 1).map(move |j| (i, j))) {
+            let mut note = |axis: usize, step: f64| {
+                let step = step / self.spacing[axis];
+                found[2 * axis] = found[2 * axis].min(step);
+                found[2 * axis + 1] = found[2 * axis + 1].max(step);
+            };
+            if i <= high.0 {
+                note(0, height(i + 1, j) - height(i, j));
+            }
+            if j <= high.1 {
+                note(1, height(i, j + 1) - height(i, j));
+            }
+        }
+        found
+    }
+
     /// Whether the cell under a position touches a void.
     pub fn hole(&self, x: f64, y: f64) -> bool {
         let grid = |axis: usize, w: f64| (w / self.spacing[axis]).max(0.0).min(self.cells()[axis]);

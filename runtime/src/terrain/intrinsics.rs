@@ -132,6 +132,7 @@ impl Scene {
             Intrinsic::OccludedBilinear => give(out, &trace(Surface::Bilinear)[..1]),
             Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
             Intrinsic::Lowest => give(out, &[field.bounds(args)[0]]),
+            Intrinsic::Inclines => give(out, &field.inclines(args)),
             Intrinsic::Hole => give(out, &[f64::from(u8::from(field.hole(args[0], args[1])))]),
             Intrinsic::Camera => {
                 let (o, d) = self.camera().ray(args[0], args[1]);
@@ -211,6 +212,7 @@ fn evaluate<H: Heights>(
         }
         Intrinsic::Highest => floats(out, &[range::highest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Lowest => floats(out, &[range::lowest(scene, heights, &[0, 1, 2, 3].map(arg))]),
+        Intrinsic::Inclines => floats(out, &range::inclines(scene, heights, &[0, 1, 2, 3].map(arg))),
         Intrinsic::Hole => out[0] = u32::from(range::hole(scene, heights, arg(0), arg(1))),
         Intrinsic::Camera => floats(out, &camera(scene, arg(0), arg(1))),
         Intrinsic::PixelWidth => floats(out, &scene.pixel_width),

@@ -62,6 +62,48 @@ pub(super) fn lowest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32;
     range(scene, heights, ends, |i| heights.floor(i), f32::min)
 }
 
+/// Least and greatest slope between neighbouring samples of the cells that a box touches, by x and by y: metres a metre.
+/// More than 2 x 2 cells are bounded by the field's relief; a void is a cliff without end.
+/// Twin of `shaders/terrain/inclines.wgsl`.
+pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> [f32; 4] {
+    let Touched { low, high, level } = touched(scene, ends);
+    let scale = scene.inverse_spacing.map(|inverse| scene.z_scale * inverse);
+    if level > 0 {
+        let most = scale.map(|s| (scene.raw_relief[1] - scene.raw_relief[0]) * s);
+        return [-most[0], most[0], -most[1], most[1]];
+    }
+    let row = scene.size[0] as usize;
+    let sample = |i: u32, j: u32| heights.sample(j as usize * row + i as usize);
+    let (mut found, mut void) = ([[f32::MAX, f32::MIN]; 2], false);
+    for j in low[1]..=high[1] + 1 {
+        for i in low[0]..=high[0] + 1 {
+            let here = sample(i, j);
+            void |= here == VOID_F32;
+            let mut note = |axis: usize, step: f32| {
+                found[axis] = [found[axis][0].min(step), found[axis][1].max(step)];
+            };
+            if i <= high[0] {
+                note(0, sample(i + 1, j) - here);
+            }
+            if j <= high[1] {
+                note(1, sample(i, j + 1) - here);
+            }
+        }
+    }
+    if void {
+        return [-1e12, 1e12, -1e12, 1e12];
+    }
+    let axis = |axis: usize| {
+        let size = scene.cells()[axis] as f32 * scene.spacing[axis];
+        let outside = ends[axis] < 0.0 || ends[axis + 2] > size;
+        let [least, most] = found[axis];
+        let (least, most) = if outside { (least.min(0.0), most.max(0.0)) } else { (least, most) };
+        [least * scale[axis], most * scale[axis]]
+    };
+    let ([x0, x1], [y0, y1]) = (axis(0), axis(1));
+    [x0, x1, y0, y1]
+}
+
 pub(super) fn hole<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> bool {
     let [i, j] = touched(scene, &[x, y, x, y]).low.map(|i| i as usize);
     let row = scene.size[0] as usize;

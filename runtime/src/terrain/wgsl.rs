@@ -91,6 +91,7 @@ const PIECES: &[Piece] = pieces! {
     "occluded_bilinear" "occluded" ["walk_bilinear"];
     "highest" "highest" ["box" "sample" "bound"];
     "lowest" "lowest" ["box" "sample" "floor"];
+    "inclines" "inclines" ["box" "sample"];
     "hole" "hole" ["box" "corners"];
     "camera" "camera" ["scene"];
     "pixel_width" "pixel_width" ["scene"];

@@ -1,0 +1,180 @@
+//! THE table of enclosures of intrinsics, and of library functions of which more is known than their code tells.
+
+use super::interval::{Emit, Interval, ROUNDED, Range, flag, number};
+use crate::core::{Atom, Block, FnId, Intrinsic, Op, Prim, Scalar, Stmt};
+use Scalar::{Bool, F32};
+
+/// A library function with an enclosure of its own. All take a position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Known {
+    Noise,
+    NoiseGradient,
+}
+
+impl Known {
+    pub const ALL: &'static [(Known, &'static str)] =
+        &[(Known::Noise, "noise"), (Known::NoiseGradient, "_noise_gradient")];
+
+    /// The function that yields its gradient.
+    pub fn gradient(self) -> Option<Known> {
+        match self {
+            Known::Noise => Some(Known::NoiseGradient),
+            Known::NoiseGradient => None,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        Known::ALL.iter().find(|(known, _)| *known == self).map_or("", |(_, name)| name)
+    }
+}
+
+/// Noise is a sum over the corners of a lattice cell, `W_a(x) W_b(y) (g . (x - a, y - b))`, with gradients g in [-1, 1]
+/// along each axis and weights made of `w(t) = t^3 (6 t^2 - 15 t + 10)`. So each derivative is at most the sum of the
+/// sizes of the factors of all g, a function of the position in the cell alone. Their greatest values: by x or y 2.75 (in
+/// the cell's middle), twice by x 11.55, by x and y 6.57. A test takes them on a grid.
+pub(super) const NOISE_SLOPE: f32 = 2.76;
+pub(super) const NOISE_BEND: f32 = 11.7;
+pub(super) const NOISE_TWIST: f32 = 6.7;
+
+/// The results of a known library function over a box.
+pub(super) fn known(e: &mut Emit, known: Known, id: FnId, at: &[Interval]) -> Vec<Interval> {
+    match known {
+        Known::Noise => {
+            let end = 1.0 + 1e-5;
+            vec![Interval::new(number(-end), number(end), Range::new(-1.001, 1.001))]
+        }
+        Known::NoiseGradient => noise_gradient(e, id, at),
+    }
+}
+
+/// What the gradient is in the middle, and as much as it can change from there.
+fn noise_gradient(e: &mut Emit, id: FnId, at: &[Interval]) -> Vec<Interval> {
+    let steep = f64::from(NOISE_SLOPE);
+    let all = Interval::new(number(-NOISE_SLOPE), number(NOISE_SLOPE), Range::new(-steep, steep));
+    let (Some((x, rx)), Some((y, ry))) = (e.middle(&at[0]), e.middle(&at[1])) else {
+        return vec![all.clone(), all];
+    };
+    let mut spread = |along: Atom, across: Atom| {
+        let bend = e.float(Prim::Mul, &[along, number(NOISE_BEND)]);
+        let twist = e.float(Prim::Mul, &[across, number(NOISE_TWIST)]);
+        let both = e.float(Prim::Add, &[bend, twist]);
+        e.float(Prim::Add, &[both, number(1e-5)])
+    };
+    let spreads = [spread(rx, ry), spread(ry, rx)];
+    // A wide box is not worth the evaluation.
+    let least = e.float(Prim::Min, &[spreads[0], spreads[1]]);
+    let near = e.float(Prim::Lt, &[least, number(NOISE_SLOPE)]);
+    let inside: Vec<_> = [F32; 2].map(|s| e.fresh(s)).to_vec();
+    let call = Stmt { dst: inside.clone(), op: Op::Call(id, vec![x, y]) };
+    let yes = Block { stmts: vec![call], results: inside.iter().map(|v| Atom::Var(*v)).collect() };
+    let no = Block { stmts: Vec::new(), results: vec![number(0.0); 2] };
+    let found = [F32; 2].map(|s| e.fresh(s));
+    e.out.push(Stmt { dst: found.to_vec(), op: Op::If(near, yes, no) });
+    let mut results = Vec::new();
+    for (value, spread) in found.into_iter().zip(spreads) {
+        let spread = e.float(Prim::Select, &[number(2.0 * NOISE_SLOPE), spread, near]);
+        let lo = e.float(Prim::Sub, &[Atom::Var(value), spread]);
+        let hi = e.float(Prim::Add, &[Atom::Var(value), spread]);
+        let lo = e.float(Prim::Max, &[lo, number(-NOISE_SLOPE)]);
+        let hi = e.float(Prim::Min, &[hi, number(NOISE_SLOPE)]);
+        results.push(Interval::new(lo, hi, all.range));
+    }
+    results
+}
+
+/// The results of an intrinsic over a box.
+pub(super) fn enclose(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) -> Vec<Interval> {
+    use Intrinsic::*;
+    match intrinsic {
+        Bilinear | Triangulated => vec![samples(e, args)],
+        Nearest => vec![nearest(e, args)],
+        GradientBilinear | GradientTriangulated => slopes(e, Inclines, args),
+        Hole => {
+            e.jumps.push(flag(true));
+            vec![Interval::new(flag(false), flag(true), Range::of(Bool))]
+        }
+        Raster1 | Raster2 | Raster3 | Raster4 => {
+            unbounded(e, intrinsic, "a raster or a baked function", "clamp(.., lo, hi)")
+        }
+        _ => unbounded(e, intrinsic, "what is asked of the scene at a moving position", "clamp(.., lo, hi)"),
+    }
+}
+
+fn unbounded(e: &mut Emit, intrinsic: Intrinsic, what: &'static str, mend: &'static str) -> Vec<Interval> {
+    let result = |scalar: &Scalar| match scalar {
+        F32 => e.endless(what, mend),
+        other => {
+            let (lo, hi) = super::interval::extremes(*other);
+            Interval::new(lo, hi, Range::of(*other))
+        }
+    };
+    intrinsic.results().iter().map(result).collect()
+}
+
+/// `[x0, y0, x1, y1]` of a position; none if a side is missing.
+fn ends(args: &[Interval]) -> Option<[Atom; 4]> {
+    let ((x0, x1), (y0, y1)) = (args[0].both()?, args[1].both()?);
+    Some([x0, y0, x1, y1])
+}
+
+fn ask(e: &mut Emit, intrinsic: Intrinsic, args: Vec<Atom>) -> Vec<Atom> {
+    let dst: Vec<_> = intrinsic.results().iter().map(|s| e.fresh(*s)).collect();
+    let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
+    e.out.push(Stmt { dst, op: Op::Intrinsic(intrinsic, args) });
+    atoms
+}
+
+/// Heights of all samples of the cells that the box touches; anything where the box is endless: samples are finite.
+fn samples(e: &mut Emit, args: &[Interval]) -> Interval {
+    let ends = ends(args).unwrap_or([number(-1e9), number(-1e9), number(1e9), number(1e9)]);
+    let lo = ask(e, Intrinsic::Lowest, ends.to_vec())[0];
+    let hi = ask(e, Intrinsic::Highest, ends.to_vec())[0];
+    // Interpolation takes a handful of roundings, of corners that may be larger than the result.
+    e.widen(Interval::new(lo, hi, Range::ANY), 4.0 * ROUNDED, 0.0)
+}
+
+/// A box that is smaller than a cell touches no more samples than are nearest to its corners.
+fn nearest(e: &mut Emit, args: &[Interval]) -> Interval {
+    let wide = samples(e, args);
+    let (Some([x0, y0, x1, y1]), Some((lo, hi))) = (ends(args), wide.both()) else {
+        e.jumps.push(flag(true));
+        return wide;
+    };
+    let texel = ask(e, Intrinsic::Texel, Vec::new());
+    let mut narrow = |from: Atom, to: Atom, texel: Atom| {
+        let size = e.float(Prim::Sub, &[to, from]);
+        let most = e.float(Prim::Mul, &[texel, number(0.99)]);
+        e.float(Prim::Lt, &[size, most])
+    };
+    let (in_x, in_y) = (narrow(x0, x1, texel[0]), narrow(y0, y1, texel[1]));
+    let small = e.and(in_x, in_y);
+    let outer = std::mem::take(e.out);
+    let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
+    let corners = corners.map(|(x, y)| ask(e, Intrinsic::Nearest, vec![x, y])[0]);
+    let mut end = |greater| {
+        let [south, north] = [[0, 1], [2, 3]].map(|[i, j]| e.outer(greater, F32, corners[i], corners[j]));
+        e.outer(greater, F32, south, north)
+    };
+    let results = vec![end(false), end(true)];
+    let stmts = std::mem::replace(e.out, outer);
+    let no = Block { stmts: Vec::new(), results: vec![lo, hi] };
+    let found = [F32; 2].map(|s| e.fresh(s));
+    e.out.push(Stmt { dst: found.to_vec(), op: Op::If(small, Block { stmts, results }, no) });
+    let found = Interval::new(Atom::Var(found[0]), Atom::Var(found[1]), Range::ANY);
+    e.jump_where_apart(F32, &found);
+    found
+}
+
+/// Slopes between neighbouring samples, of which a patch's slopes are means.
+fn slopes(e: &mut Emit, of: Intrinsic, args: &[Interval]) -> Vec<Interval> {
+    let Some(ends) = ends(args) else {
+        let all = e.endless("a slope far from the field", "clamp(.., lo, hi)");
+        return vec![all.clone(), all];
+    };
+    let found = ask(e, of, ends.to_vec());
+    let mut axis = |lo: usize| {
+        let range = Interval::new(found[lo], found[lo + 1], Range::ANY);
+        e.widen(range, 4.0 * ROUNDED, 0.0)
+    };
+    vec![axis(0), axis(2)]
+}

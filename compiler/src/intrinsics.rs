@@ -70,7 +70,7 @@ intrinsics! {
     MicroRow "micro_row" (F32, F32) -> (F32, F32, F32, F32) 40;
     // Means (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1) of squares of 2^level x 2^level samples: (level, i, j), whole.
     Means "means" (F32, F32, F32) -> (F32, F32, F32, F32) 50;
-    // Least and greatest slope between neighbouring samples of a box's cells: by x, by y. What more than 2 x 2 cells have is
+    // Least and greatest slope between neighbouring samples of a box's cells: by x, by y. What more than 4 x 4 cells have is
     // bounded by the field's relief.
     Inclines "inclines" (F32, F32, F32, F32) -> (F32, F32, F32, F32) 80;
     // Whether the cell at (x, y) touches a missing sample: rays pass through it.

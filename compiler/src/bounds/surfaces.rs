@@ -88,7 +88,16 @@ pub(super) fn enclose(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) -> 
     match intrinsic {
         Bilinear | Triangulated => vec![samples(e, args)],
         Nearest => vec![nearest(e, args)],
-        GradientBilinear | GradientTriangulated => slopes(e, Inclines, args),
+        Bicubic | Subdivided => vec![around(e, args)],
+        GradientBilinear | GradientTriangulated => slopes(e, args),
+        GradientBicubic | GradientSubdivided => slopes_around(e, args),
+        MicroRow => {
+            steps(e, intrinsic, args, |_| Interval::new(number(-1.0), number(1.0), Range::new(-1.0, 1.0)))
+        }
+        Means => steps(e, intrinsic, args, |e| {
+            let relief = ask(e, Relief, Vec::new());
+            e.widen(Interval::new(relief[0], relief[1], Range::ANY), ROUNDED, 0.0)
+        }),
         Hole => {
             e.jumps.push(flag(true));
             vec![Interval::new(flag(false), flag(true), Range::of(Bool))]
@@ -166,15 +175,89 @@ fn nearest(e: &mut Emit, args: &[Interval]) -> Interval {
 }
 
 /// Slopes between neighbouring samples, of which a patch's slopes are means.
-fn slopes(e: &mut Emit, of: Intrinsic, args: &[Interval]) -> Vec<Interval> {
+fn slopes(e: &mut Emit, args: &[Interval]) -> Vec<Interval> {
     let Some(ends) = ends(args) else {
         let all = e.endless("a slope far from the field", "clamp(.., lo, hi)");
         return vec![all.clone(), all];
     };
-    let found = ask(e, of, ends.to_vec());
+    let found = ask(e, Intrinsic::Inclines, ends.to_vec());
     let mut axis = |lo: usize| {
         let range = Interval::new(found[lo], found[lo + 1], Range::ANY);
         e.widen(range, 4.0 * ROUNDED, 0.0)
     };
     vec![axis(0), axis(2)]
+}
+
+/// A position's box with a texel around it: the samples that a patch of 4 x 4 is made of.
+fn ring(e: &mut Emit, args: &[Interval]) -> Vec<Interval> {
+    let texel = ask(e, Intrinsic::Texel, Vec::new());
+    let one = |(at, texel): (&Interval, Atom)| {
+        let lo = at.lo.map(|lo| e.float(Prim::Sub, &[lo, texel]));
+        let hi = at.hi.map(|hi| e.float(Prim::Add, &[hi, texel]));
+        let grown = Interval { lo, hi, ..at.clone() };
+        e.widen(grown, ROUNDED, 0.0)
+    };
+    args[..2].iter().zip(texel).map(one).collect()
+}
+
+/// Beyond both ends by a share of what lies between.
+fn overshoot(e: &mut Emit, i: Interval, share: f32) -> Interval {
+    let Some((lo, hi)) = i.both() else { return i };
+    let between = e.float(Prim::Sub, &[hi, lo]);
+    let over = e.float(Prim::Mul, &[between, number(share)]);
+    let (lo, hi) = (e.float(Prim::Sub, &[lo, over]), e.float(Prim::Add, &[hi, over]));
+    e.widen(Interval::new(lo, hi, Range::ANY), 4.0 * ROUNDED, 0.0)
+}
+
+/// Catmull-Rom weights along an axis add up to 1, those below 0 to at most 1/8 (halfway): so their sizes to 5/4, those of
+/// both axes to 25/16, of which 9/32 are below 0. A patch passes its samples by no more of their spread. The subdivided
+/// surface is a mean of such heights.
+const OVERSHOOT: f32 = 9.0 / 32.0;
+/// A slope is a sum of the steps between neighbours; along its axis the weights below 0 add up to at most 1/4, so the sizes
+/// of all to 3/2 times 5/4, of which 7/16 are below 0.
+const STEEPER: f32 = 7.0 / 16.0;
+
+fn around(e: &mut Emit, args: &[Interval]) -> Interval {
+    let ring = ring(e, args);
+    let found = samples(e, &ring);
+    overshoot(e, found, OVERSHOOT)
+}
+
+fn slopes_around(e: &mut Emit, args: &[Interval]) -> Vec<Interval> {
+    let ring = ring(e, args);
+    let found = slopes(e, &ring);
+    found.into_iter().map(|i| overshoot(e, i, STEEPER)).collect()
+}
+
+/// What changes in steps: as it is where no operand moves, else anything that it can be.
+fn steps(
+    e: &mut Emit,
+    intrinsic: Intrinsic,
+    args: &[Interval],
+    range: impl FnOnce(&mut Emit) -> Interval,
+) -> Vec<Interval> {
+    let all = range(e);
+    let results = intrinsic.results();
+    let (Some((lo, hi)), Some(ends)) =
+        (all.both(), args.iter().map(Interval::both).collect::<Option<Vec<_>>>())
+    else {
+        e.jumps.push(flag(true));
+        return vec![all; results.len()];
+    };
+    let mut same = flag(true);
+    for (a, b) in ends.iter().filter(|(a, b)| a != b) {
+        let one = e.float(Prim::Eq, &[*a, *b]);
+        same = e.and(same, one);
+    }
+    let apart = e.not(same);
+    e.jumps.push(apart);
+    let outer = std::mem::take(e.out);
+    let values = ask(e, intrinsic, ends.iter().map(|(a, _)| *a).collect());
+    let stmts = std::mem::replace(e.out, outer);
+    let pairs = |atoms: &[Atom]| atoms.iter().flat_map(|a| [*a, *a]).collect();
+    let yes = Block { stmts, results: pairs(&values) };
+    let no = Block { stmts: Vec::new(), results: [lo, hi].repeat(results.len()) };
+    let dst: Vec<_> = (0..2 * results.len()).map(|_| e.fresh(F32)).collect();
+    e.out.push(Stmt { dst: dst.clone(), op: Op::If(same, yes, no) });
+    dst.chunks(2).map(|ends| Interval::new(Atom::Var(ends[0]), Atom::Var(ends[1]), all.range)).collect()
 }

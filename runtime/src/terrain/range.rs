@@ -62,13 +62,16 @@ pub(super) fn lowest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32;
     range(scene, heights, ends, |i| heights.floor(i), f32::min)
 }
 
+/// Steps from the first to the last cell of a box whose samples are looked at one by one.
+const MOST_STEPS: u32 = 3;
+
 /// Least and greatest slope between neighbouring samples of the cells that a box touches, by x and by y: metres a metre.
-/// More than 2 x 2 cells are bounded by the field's relief; a void is a cliff without end.
+/// More than 4 x 4 cells are bounded by the field's relief; a void is a cliff without end.
 /// Twin of `shaders/terrain/inclines.wgsl`.
 pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> [f32; 4] {
-    let Touched { low, high, level } = touched(scene, ends);
+    let Touched { low, high, .. } = touched(scene, ends);
     let scale = scene.inverse_spacing.map(|inverse| scene.z_scale * inverse);
-    if level > 0 {
+    if (high[0] - low[0]).max(high[1] - low[1]) > MOST_STEPS {
         let most = scale.map(|s| (scene.raw_relief[1] - scene.raw_relief[0]) * s);
         return [-most[0], most[0], -most[1], most[1]];
     }

@@ -19,6 +19,8 @@ pub enum SceneError {
     NotFinite,
     #[error("the field of view is {0} degrees; it must lie between 0 and 180")]
     FieldOfView(f64),
+    #[error("there is no ground at {0}, {1}: it is outside the field or in a hole")]
+    NoGround(f64, f64),
     #[error("the camera stands where it looks at; move --eye or --look-at")]
     SamePlace,
     #[error("the sun's azimuth and elevation must be finite numbers")]
@@ -253,7 +255,7 @@ fn uniform(terrain: &Terrain, camera: &Camera, options: &SceneOptions) -> SceneU
         top: shapes.len() as u32 - 1,
         size: [terrain.width, terrain.height],
         fuel: 4 * (terrain.width + terrain.height) + 64,
-        orthographic: u32::from(camera.orthographic),
+        projection: camera.projection as u32,
         eye: single(camera.eye.to_array()),
         near: 0.0,
         forward: single(camera.forward.to_array()),

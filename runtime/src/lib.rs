@@ -17,6 +17,8 @@ pub mod memory;
 pub mod oracle;
 pub mod progress;
 pub mod rasters;
+pub mod renderer;
+pub mod samples;
 pub mod terrain;
 pub mod twin;
 pub mod value;

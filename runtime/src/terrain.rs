@@ -21,6 +21,7 @@ mod range;
 pub mod raster;
 mod ray;
 pub mod scene;
+pub mod sun;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -34,5 +35,6 @@ pub use layers::{Layer, Layers};
 pub use micro::Micro;
 pub use pyramid::Pyramid;
 pub use raster::Raster;
-pub use scene::{Scene, SceneError, SceneOptions, Sun};
+pub use scene::{Scene, SceneError, SceneOptions};
+pub use sun::{Sun, SunError};
 pub use view::{Camera, NAMED_FOV, NamedView, Projection, STANDING, Stand, View};

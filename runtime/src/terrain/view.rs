@@ -98,6 +98,27 @@ impl View {
         View::Panorama { from: Stand::Summit, azimuth: 0.0, fov: None }
     }
 
+    /// The view of a camera that has a place, so that it can be kept while the field changes.
+    pub fn of(camera: &Camera) -> Option<View> {
+        let eye = camera.eye.to_array();
+        let fov = |pixel: f64| 2.0 * (pixel * camera.middle[1]).atan().to_degrees();
+        match camera.projection {
+            Projection::Orthographic => None,
+            Projection::Perspective => Some(View::LookAt {
+                eye,
+                target: (camera.eye + camera.forward * camera.eye.length().max(1.0)).to_array(),
+                up: (-camera.down).normalize().to_array(),
+                fov: fov(camera.down.length()),
+                ortho: false,
+            }),
+            Projection::Panorama => Some(View::Panorama {
+                from: Stand::At(eye),
+                azimuth: camera.forward.x.atan2(camera.forward.y).to_degrees(),
+                fov: Some(camera.down.x * 360.0 * 2.0 * camera.middle[1]),
+            }),
+        }
+    }
+
     /// The same turned clockwise by degrees: about the field's middle, about the target, or on the spot.
     #[must_use]
     pub fn turned(self, degrees: f64) -> View {
@@ -351,6 +372,21 @@ mod tests {
         let same = view([4.0, 5.0, 6.0], [0.0, 0.0, 1.0]);
         assert!(matches!(Camera::new(&same, &terrain, 1.0, (64, 32)), Err(SceneError::SamePlace)));
     }
+    #[test]
+    fn a_camera_gives_its_view_back() {
+        let terrain = Terrain::builtin();
+        for view in [View::overview(), View::panorama().turned(40.0), View::overview().turned(70.0)] {
+            let camera = Camera::new(&view, &terrain, 1.0, (300, 200)).unwrap();
+            let again = Camera::new(&View::of(&camera).unwrap(), &terrain, 1.0, (300, 200)).unwrap();
+            for (x, y) in [(0.0, 0.0), (150.0, 100.0), (300.0, 20.0)] {
+                let ((o, d), (p, e)) = (camera.ray(x, y), again.ray(x, y));
+                assert!((o - p).length() < 1e-6 && (d - e).length() < 1e-9, "{view:?}");
+            }
+        }
+        let flat = Camera::new(&View::topdown(), &terrain, 1.0, (300, 200)).unwrap();
+        assert_eq!(View::of(&flat), None);
+    }
+
     #[test]
     fn a_turntable_frames_the_field_at_every_turn() {
         let heights = (0..40 * 9).map(|i| if i == 41 { 900.0 } else { 0.0 }).collect();

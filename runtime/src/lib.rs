@@ -15,6 +15,7 @@ pub mod machine;
 pub mod map;
 pub mod memory;
 pub mod oracle;
+pub mod presets;
 pub mod progress;
 pub mod rasters;
 pub mod renderer;

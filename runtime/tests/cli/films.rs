@@ -126,3 +126,26 @@ fn far_heights_fall_with_the_curvature() {
     let line = "render p.ghyll --dem d.asc --spacing 50000 --on cpu --size 1x1 --curvature --view topdown";
     folder.ghyll(line).failed(2, &["--curvature", "topdown"]);
 }
+
+#[test]
+fn a_preset_sets_what_the_program_has() {
+    let folder = Folder::new("presets");
+    folder.write(
+        "p.ghyll",
+        "param detail: bool = false; param lighting: f32 = 0.2;
+         fn pixel(p: vec2) -> f32 = if detail { fract(p.x) } else { lighting };",
+    );
+    let line = "render p.ghyll --on cpu --size 2x2 -o p.png";
+    let said = |more: &str| {
+        let ended = folder.ghyll(&format!("{line} {more}"));
+        assert_eq!(ended.status, Some(0), "{}", ended.err);
+        (grey(&folder, "p.png"), ended.err)
+    };
+    let (shade, told) = said("--preset quality");
+    assert!(shade == 128 && told.contains("quality: detail=true, 8 samples"), "{shade} {told}");
+    assert_eq!(said("--preset quality --set detail=false").0, 51);
+    // The parameter `lighting` of this program is no function.
+    let (shade, told) = said("--preset memory");
+    assert!(shade == 51 && told.contains("memory: detail=false, no bake"), "{told}");
+    folder.ghyll(&format!("{line} --preset best")).failed(2, &["quality"]);
+}

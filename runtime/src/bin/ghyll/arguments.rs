@@ -229,9 +229,13 @@ pub struct Render {
     #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true, default_missing_value = "0.13",
           value_parser = refraction)]
     pub curvature: Option<f64>,
-    /// Samples of every pixel, whose mean it becomes.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub samples: u32,
+    /// Samples of every pixel, whose mean it becomes; 1 if absent.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub samples: Option<u32>,
+    /// Values for the parameters shadows, detail and lighting, samples and baking that favour one side; --set and --samples
+    /// go before them.
+    #[arg(long, value_name = "NAME", value_parser = ["time", "quality", "memory"])]
+    pub preset: Option<String>,
     /// Frames A to B - 1 of a film; `t` is a frame's number in --set, --eye, --look-at, --fov, --sun and in a parameter `t`.
     #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
     pub frames: Option<[i64; 2]>,

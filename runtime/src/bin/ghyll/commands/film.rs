@@ -4,8 +4,10 @@ use super::{in_range, options, refused, setting};
 use crate::arguments::Render;
 use crate::failure::Failure;
 use crate::moving::{mentions_t, with_t};
+use ghyll_compiler::argument::parse_arguments;
 use ghyll_compiler::compile::{self, Compiled, EntryKind, Options};
 use ghyll_compiler::front::Checked;
+use ghyll_runtime::presets::Preset;
 use std::path::{Path, PathBuf};
 
 /// Parameters that follow the frame's number, with their expressions.
@@ -19,10 +21,11 @@ impl Film {
     /// again. Every frame's values are looked at before the first one is drawn.
     pub fn new(checked: &Checked, arguments: &Render) -> Result<(Option<Film>, Options), Failure> {
         let want = Some(EntryKind::Image);
-        let Some([first, end]) = arguments.frames else {
-            return Ok((None, options(&arguments.program, want)?));
-        };
         let mut options = options(&arguments.program, want)?;
+        if let Some(preset) = arguments.preset.as_deref().and_then(Preset::named) {
+            take(preset, checked, &mut options);
+        }
+        let Some([first, end]) = arguments.frames else { return Ok((None, options)) };
         let mut moving = Vec::new();
         for text in &arguments.program.set {
             let (name, value) = setting(text)?;
@@ -70,4 +73,27 @@ impl Film {
         let sign = if frame < 0 { "m" } else { "" };
         output.with_file_name(format!("{stem}-{sign}{:04}.{ending}", frame.unsigned_abs()))
     }
+}
+
+/// Sets what the preset says and the program can hold, but for what is set already, and tells what that is.
+fn take(preset: &Preset, checked: &Checked, options: &mut Options) {
+    let mut taken = Vec::new();
+    for (name, value) in preset.set {
+        let given =
+            options.set.iter().any(|(set, _)| set == name) || options.live.iter().any(|live| live == name);
+        let param = checked.module.params.iter().find(|param| param.name == *name).filter(|_| !given);
+        if param.is_some_and(|param| parse_arguments(&checked.module, value, &param.ty).is_ok()) {
+            options.set.push((name.to_string(), value.to_string()));
+            taken.push(format!("{name}={value}"));
+        }
+    }
+    if !preset.bake {
+        options.no_bake = true;
+        taken.push("no bake".into());
+    }
+    if preset.samples > 1 {
+        taken.push(format!("{} samples a pixel", preset.samples));
+    }
+    let taken = if taken.is_empty() { "nothing that this program has".into() } else { taken.join(", ") };
+    eprintln!("preset {}: {taken}", preset.name);
 }

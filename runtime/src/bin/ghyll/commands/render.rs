@@ -8,6 +8,7 @@ use crate::report;
 use ghyll_compiler::source::Source;
 use ghyll_runtime::image::{self, FilmFormat, ImageError};
 use ghyll_runtime::machine::Job;
+use ghyll_runtime::presets::Preset;
 use ghyll_runtime::renderer::Renderer;
 use std::time::Instant;
 
@@ -50,6 +51,8 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         }
         None => None,
     };
+    let preset = arguments.preset.as_deref().and_then(Preset::named);
+    let samples = arguments.samples.or(preset.map(|preset| preset.samples)).unwrap_or(1);
     let mut renderer = Renderer::default();
     let mut last = None;
     for index in 0..count {
@@ -59,7 +62,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         }
         let scene = views.scene(index as usize)?;
         let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
-        let outcome = renderer.render_samples(&job, &machine, size, &config, arguments.samples);
+        let outcome = renderer.render_samples(&job, &machine, size, &config, samples);
         let (picture, stats) = match outcome {
             Ok(drawn) => drawn,
             Err(error) => {

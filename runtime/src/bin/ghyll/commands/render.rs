@@ -53,6 +53,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     };
     let preset = arguments.preset.as_deref().and_then(Preset::named);
     let samples = arguments.samples.or(preset.map(|preset| preset.samples)).unwrap_or(1);
+    let mut views = Some(views);
     let mut renderer = Renderer::default();
     let mut last = None;
     for index in 0..count {
@@ -60,9 +61,14 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         if let Some(film) = &film {
             film.set(&checked, &mut compiled, frame)?;
         }
-        let scene = views.scene(index as usize)?;
-        let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
-        let outcome = renderer.render_samples(&job, &machine, size, &config, samples);
+        let outcome = match views.take_if(|_| film.is_none() && samples == 1) {
+            Some(views) => Job::render_once(&checked, &compiled, views.only()?, (&machine, &config), size),
+            None => {
+                let scene = views.as_ref().map_or(Ok(None), |views| views.scene(index as usize))?;
+                let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
+                renderer.render_samples(&job, &machine, size, &config, samples)
+            }
+        };
         let (picture, stats) = match outcome {
             Ok(drawn) => drawn,
             Err(error) => {

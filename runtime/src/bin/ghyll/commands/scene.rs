@@ -7,8 +7,8 @@ use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{
-    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneError, SceneOptions, Stand, Sun,
-    Terrain, View, Voids, sun,
+    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneError, SceneOptions,
+    Stand, Sun, Terrain, View, Voids, sun,
 };
 use std::path::Path;
 use std::sync::Arc;

@@ -8,7 +8,7 @@ fn direct(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     fuel = params.fuel;
     exhausted = false;
-    let value = shade(f32(id.x) + 0.5, f32(y) + 0.5);
+    let value = shade(f32(id.x) + params.point_x, f32(y) + params.point_y);
     if (!loops_alive()) {
         atomicOr(&state.flags, FLAG_LOOPS);
     }

@@ -31,8 +31,8 @@ fn draw() -> bool {
     left = 0u;
     if (x < params.width && y < params.height) {
         literal(y * params.width + x);
-        literal(bitcast<u32>(f32(x) + 0.5));
-        literal(bitcast<u32>(f32(y) + 0.5));
+        literal(bitcast<u32>(f32(x) + params.point_x));
+        literal(bitcast<u32>(f32(y) + params.point_y));
         later(TASKS);
         invoke = params.entry;
     }

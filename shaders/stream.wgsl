@@ -44,6 +44,8 @@ struct Params {
     floor: u32,            // free blocks that are left to the sole lane of lean rounds
     may_grow: u32,         // the host can give more memory
     zero: u32,             // 0
+    point_x: f32,          // where in a pixel its value is taken
+    point_y: f32,
 }
 
 struct State {

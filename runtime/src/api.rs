@@ -27,16 +27,15 @@
 //! # }
 //! ```
 
-use crate::bake::BakedScene;
 use crate::config::Config;
 use crate::error::RunError;
 use crate::files::{self, Disk};
 use crate::gpu::{GpuError, GpuOptions};
 use crate::image::Image;
-use crate::kernels::Kernels;
 use crate::machine::{Job, Machine, Wanted};
 use crate::map::Map;
 use crate::rasters::{self, BindError};
+use crate::renderer::Renderer;
 use crate::terrain::{DemError, Micro, Raster, Scene, SceneError, SceneOptions, Sun, Terrain, View};
 use crate::value::Value;
 use ghyll_compiler::compile::{self, CompileError, Compiled, EntryKind};
@@ -177,6 +176,7 @@ impl Runtime {
             rasters: Vec::new(),
             micro: None,
             options: SceneOptions::default(),
+            samples: 1,
             compile: compile::Options { want: Some(want), ..Default::default() },
         }
     }
@@ -223,6 +223,7 @@ pub struct SceneBuilder<'a> {
     rasters: Vec<(String, Arc<Raster>)>,
     micro: Option<Arc<Micro>>,
     options: SceneOptions,
+    samples: u32,
     compile: compile::Options,
 }
 
@@ -262,6 +263,12 @@ impl<'a> SceneBuilder<'a> {
     /// Factor on all heights.
     pub fn exaggerate(mut self, factor: f64) -> Self {
         self.options.exaggerate = factor;
+        self
+    }
+
+    /// Samples of every pixel, whose mean it becomes.
+    pub fn samples(mut self, count: u32) -> Self {
+        self.samples = count;
         self
     }
 
@@ -309,8 +316,8 @@ impl<'a> SceneBuilder<'a> {
             program: self.program,
             compiled,
             scene,
-            kernels: None,
-            baked: None,
+            samples: self.samples,
+            renderer: Renderer::default(),
         })
     }
 }
@@ -321,8 +328,8 @@ pub struct Picture<'a> {
     program: Program,
     compiled: Compiled,
     scene: Scene,
-    kernels: Option<Kernels>,
-    baked: Option<BakedScene>,
+    samples: u32,
+    renderer: Renderer,
 }
 
 impl Picture<'_> {
@@ -348,28 +355,10 @@ impl Picture<'_> {
     fn evaluate(&mut self, width: u32, height: u32) -> Result<Image, Error> {
         let options = SceneOptions { size: (width, height), ..*self.scene.options() };
         self.scene = self.scene.with_options(&options)?;
-        let (machine, config) = (&self.runtime.machine, &self.runtime.config);
         let job = Job { checked: &self.program.0, compiled: &self.compiled, scene: Some(&self.scene) };
-        let gpu = match machine {
-            Machine::Gpu(gpu) => gpu,
-            Machine::Oracle(_) => return Ok(job.render(machine, (width, height), config)?.0),
-            Machine::Cpu => {
-                let baked = BakedScene::new(&job, &self.scene, config, self.baked.take())?;
-                let baked = self.baked.insert(baked);
-                return Ok(job.render_baked(baked, (width, height), config)?.0);
-            }
-        };
-        let components = self.compiled.result_words(&self.program.0.module);
-        let kernels = match &mut self.kernels {
-            Some(kept) => {
-                kept.update(&job, gpu, config)?;
-                kept
-            }
-            none => none.insert(Kernels::new(&job, gpu, config, components)?),
-        };
-        let frame = kernels.engine.render(width, height, self.compiled.back.entry.0)?;
-        Image::new(width, height, components, frame.words)
-            .map_err(|e| Error::Run(RunError::Internal(e.to_string())))
+        let (machine, config) = (&self.runtime.machine, &self.runtime.config);
+        let samples = if self.compiled.kind == EntryKind::Map { 1 } else { self.samples };
+        Ok(self.renderer.render_samples(&job, machine, (width, height), config, samples)?.0)
     }
 
     /// Another value of a live parameter for the pictures to come.

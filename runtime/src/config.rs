@@ -31,6 +31,8 @@ pub struct Config {
     pub timeout: Duration,
     /// On the GPU: leaves out the checks that wgpu adds to shaders.
     pub trusted: bool,
+    /// Where in a pixel its value is taken, from its top left corner.
+    pub point: [f32; 2],
     /// Told how far a run has come.
     pub progress: Progress,
 }
@@ -46,6 +48,7 @@ impl Default for Config {
             max_rewrites: None,
             timeout: Duration::from_secs(60),
             trusted: true,
+            point: [0.5, 0.5],
             progress: Progress::default(),
         }
     }

@@ -119,9 +119,14 @@ impl GpuTerrain {
         Ok(terrain)
     }
 
+    /// Whether it is this field that the buffers hold.
+    pub fn serves(&self, scene: &Scene) -> bool {
+        std::ptr::eq(self.field.as_ptr(), Arc::as_ptr(scene.terrain()))
+    }
+
     /// Takes another camera, sun or exaggeration of the same field; false if it is another field.
     pub fn update(&self, queue: &wgpu::Queue, scene: &Scene) -> bool {
-        let same = std::ptr::eq(self.field.as_ptr(), Arc::as_ptr(scene.terrain()));
+        let same = self.serves(scene);
         if same {
             queue.write_buffer(&self.scene, 0, bytemuck::bytes_of(scene.uniform()));
         }

@@ -5,11 +5,13 @@
 //! and no change of encoding. EXR, TIFF and NPY keep the numbers.
 
 mod compare;
+mod film;
 mod npy;
 mod tiff;
 mod write;
 
 pub use compare::{Difference, compare};
+pub use film::{Film, FilmFormat};
 pub use write::{Format, encode};
 
 use crate::terrain::geotags::GeoTags;
@@ -17,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
-    #[error("cannot write {}: the ending names no picture format; use .png, .jpg, .exr, .tif or .npy", file.display())]
+    #[error("cannot write {}: the ending names no picture format; use .png, .jpg, .exr, .tif or .npy (.apng and .gif are films, for --frames)", file.display())]
     UnknownEnding { file: PathBuf },
     #[error("cannot write {}: {source}", file.display())]
     Unwritable { file: PathBuf, source: std::io::Error },
@@ -25,6 +27,8 @@ pub enum ImageError {
     Encoding(#[from] image::ImageError),
     #[error("cannot encode the picture: {0}")]
     Tiff(String),
+    #[error("cannot encode the film: {0}")]
+    Film(String),
     #[error("a picture of {width} x {height} pixels and {components} components does not have {len} numbers")]
     Shape { width: u32, height: u32, components: u32, len: usize },
 }

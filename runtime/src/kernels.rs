@@ -6,6 +6,7 @@ use crate::error::RunError;
 use crate::gpu::{self, Engine, Gpu};
 use crate::gpu_terrain::GpuTerrain;
 use crate::machine::Job;
+use crate::terrain::Scene;
 use crate::terrain::wgsl::{self, Format, Uses};
 use ghyll_compiler::back::Back;
 use ghyll_compiler::core::Intrinsic;
@@ -64,6 +65,11 @@ impl Kernels {
         let mut kernels = Kernels { engine, terrain, bakes };
         kernels.update(job, gpu, config)?;
         Ok(kernels)
+    }
+
+    /// Whether the buffers are those of the scene's field.
+    pub fn serves(&self, scene: &Scene) -> bool {
+        self.terrain.as_ref().is_none_or(|terrain| terrain.serves(scene))
     }
 
     /// Takes the job's camera, sun, exaggeration and live parameters, and bakes anew what depends on them.

@@ -1,6 +1,5 @@
 //! One way to run a compiled program on any of the three machines: the GPU, its CPU twin, the oracle.
 
-use crate::bake::BakedScene;
 use crate::config::{Config, Stats};
 use crate::error::RunError;
 use crate::gpu::{self, Gpu, GpuError, GpuOptions};
@@ -9,6 +8,7 @@ use crate::kernels::Kernels;
 use crate::map::Map;
 use crate::memory::Memory;
 use crate::oracle::{self, OracleOptions};
+use crate::renderer::Renderer;
 use crate::terrain::Scene;
 use crate::twin::Twin;
 use crate::value::Value;
@@ -129,32 +129,7 @@ impl Job<'_> {
         (width, height): (u32, u32),
         config: &Config,
     ) -> Result<(Image, Stats), RunError> {
-        let module = &self.checked.module;
-        let back = &self.compiled.back;
-        let components = self.compiled.result_words(module);
-        let (data, stats) = match machine {
-            Machine::Oracle(precision) => {
-                let started = Instant::now();
-                let options = self.oracle_options(*precision, config);
-                let wide = self.oracle_picture((width, height), &options)?;
-                let data = wide.into_iter().map(|x| x as f32).collect();
-                (data, Stats { total: started.elapsed(), ..Stats::default() })
-            }
-            Machine::Cpu => {
-                let baked = self.bake(config)?;
-                let scene = baked.as_ref().map(|(baked, _)| baked.scene()).or(self.scene);
-                let (data, stats) = self.render_twin(scene, (width, height), config)?;
-                (data, self.looked_at(stats, baked.map_or(Duration::ZERO, |(_, time)| time)))
-            }
-            Machine::Gpu(gpu) => {
-                let started = Instant::now();
-                let mut kernels = Kernels::new(self, gpu, config, components)?;
-                let time = started.elapsed();
-                let frame = kernels.engine.render(width, height, back.entry.0)?;
-                (frame.words, self.looked_at(gpu_stats(&frame.stats), time))
-            }
-        };
-        Ok((self.image((width, height), data)?, stats))
+        Renderer::default().render(self, machine, (width, height), config)
     }
 
     /// As [`Job::render`] of a scene that is not needed afterwards: where a GPU holds it, the host lets go of the samples
@@ -193,10 +168,15 @@ impl Job<'_> {
         Ok((Map::new(image, terrain), stats))
     }
 
-    fn oracle_picture(&self, size: (u32, u32), options: &OracleOptions) -> Result<Vec<f64>, RunError> {
+    pub(crate) fn oracle_picture(
+        &self,
+        size: (u32, u32),
+        point: [f32; 2],
+        options: &OracleOptions,
+    ) -> Result<Vec<f64>, RunError> {
         let (module, entry) = (&self.checked.module, self.compiled.entry);
         let Some(scene) = self.scene.filter(|_| self.compiled.kind == EntryKind::Map) else {
-            return oracle::render(module, entry, size, options, self.world());
+            return oracle::render(module, entry, size, point.map(f64::from), options, self.world());
         };
         let spacing = scene.uniform().spacing.map(f64::from);
         let position = |column: u32, row: u32| {
@@ -205,18 +185,7 @@ impl Job<'_> {
         oracle::components(module, entry, size, &position, options, self.world())
     }
 
-    /// As [`Job::render`] by the twin, with what has been baked before.
-    pub fn render_baked(
-        &self,
-        baked: &BakedScene,
-        size: (u32, u32),
-        config: &Config,
-    ) -> Result<(Image, Stats), RunError> {
-        let (data, stats) = self.render_twin(Some(baked.scene()), size, config)?;
-        Ok((self.image(size, data)?, stats))
-    }
-
-    fn render_twin(
+    pub(crate) fn render_twin(
         &self,
         scene: Option<&Scene>,
         size: (u32, u32),
@@ -229,7 +198,7 @@ impl Job<'_> {
         self.twin(config)?.render(size, components, self.compiled.back.entry, config, world)
     }
 
-    fn image(&self, (width, height): (u32, u32), data: Vec<f32>) -> Result<Image, RunError> {
+    pub(crate) fn image(&self, (width, height): (u32, u32), data: Vec<f32>) -> Result<Image, RunError> {
         let components = self.compiled.result_words(&self.checked.module);
         Image::new(width, height, components, data).map_err(|e| RunError::Internal(e.to_string()))
     }
@@ -278,16 +247,8 @@ impl Job<'_> {
         Ok(constants)
     }
 
-    /// The scene with what the twin bakes for it, and how long that took.
-    fn bake(&self, config: &Config) -> Result<Option<(BakedScene, Duration)>, RunError> {
-        let Some(scene) = self.scene.filter(|_| !self.compiled.bakes.is_empty()) else { return Ok(None) };
-        let started = Instant::now();
-        let baked = BakedScene::new(self, scene, config, None)?;
-        Ok(Some((baked, started.elapsed())))
-    }
-
     /// The figures with how long the bakes took, and what part of the scene is not the field.
-    fn looked_at(&self, stats: Stats, baking: Duration) -> Stats {
+    pub(crate) fn looked_at(&self, stats: Stats, baking: Duration) -> Stats {
         let Some(scene) = self.scene else { return stats };
         let words = |slot: u32| scene.layers().get(slot).map_or(0, |layer| layer.raster().words());
         let samples = u64::from(scene.terrain().width) * u64::from(scene.terrain().height);
@@ -329,7 +290,7 @@ impl Job<'_> {
         self.world().filter(|_| !self.compiled.back.wgsl.intrinsics.is_empty())
     }
 
-    fn oracle_options(&self, precision: oracle::Precision, config: &Config) -> OracleOptions {
+    pub(crate) fn oracle_options(&self, precision: oracle::Precision, config: &Config) -> OracleOptions {
         let set = self.compiled.settings.set.iter().map(|(id, s)| (*id, s.clone())).collect();
         OracleOptions {
             precision,

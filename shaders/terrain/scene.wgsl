@@ -10,7 +10,7 @@ struct TerrainScene {
     top: u32,
     size: vec2<u32>,
     fuel: u32,
-    orthographic: u32,
+    projection: u32,
     eye: vec3<f32>,
     near: f32,
     forward: vec3<f32>,

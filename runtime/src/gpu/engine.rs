@@ -186,6 +186,11 @@ impl Engine {
         })
     }
 
+    /// Where in a pixel its value is taken from now on.
+    pub fn set_point(&mut self, point: [f32; 2]) {
+        self.config.point = point;
+    }
+
     /// Sets the words of the live parameters; missing ones stay.
     pub fn set_live(&mut self, words: &[u32]) {
         for (old, new) in self.live.iter_mut().zip(words) {
@@ -287,6 +292,8 @@ impl Engine {
             most_turns: self.gpu.loop_turns().map_or(u32::MAX >> 1, |turns| turns / 2),
             parallel: self.gpu.parallel_groups(),
             floor: self.floor(),
+            point_x: self.config.point[0],
+            point_y: self.config.point[1],
             may_grow: u32::from(self.buffers.capacity.blocks < self.next_blocks()),
             ..Params::default()
         }

@@ -269,8 +269,9 @@ impl Engine {
             let last = total.min(first.saturating_add(part));
             for (x, y) in (first..last).map(|index| pixel_at(index, width)) {
                 if x < width && y < height {
-                    let word = |position: u32| (position as f32 + 0.5).to_bits();
-                    stream.extend([(y * width + x, false), (word(x), false), (word(y), false)]);
+                    let [dx, dy] = self.config.point;
+                    let word = |position: u32, within: f32| (position as f32 + within).to_bits();
+                    stream.extend([(y * width + x, false), (word(x, dx), false), (word(y, dy), false)]);
                     stream.extend([(entry, true), (store, true)]);
                 }
             }

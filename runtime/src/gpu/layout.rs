@@ -57,6 +57,8 @@ shared! {
         floor: u32,
         may_grow: u32,
         zero: u32,
+        point_x: f32,
+        point_y: f32,
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::terrain::wgsl::wgsl;
-use crate::terrain::{Layers, Raster, SceneOptions};
+use crate::terrain::{Layers, Raster, SceneOptions, View};
 use ghyll_compiler::core::Scalar;
 use ghyll_compiler::intrinsics::Intrinsic;
 
@@ -287,6 +287,45 @@ fn intrinsics_agree_with_their_twins() {
             assert!(apart <= 2, "{}: {apart} of {COUNT} differ", intrinsic.name());
             let wrong: Vec<u32> = expected.iter().map(|w| w ^ 0x4000_0000).collect();
             assert!(!close(intrinsic, &expected, &wrong));
+        }
+    }
+}
+
+/// Every projection's rays, within rounding of the twin's and of the oracle's; turned a little they are other rays.
+#[test]
+fn cameras_agree_with_their_twins() {
+    let Some((device, queue)) = device() else { return };
+    const COUNT: u32 = 1024;
+    let views = [
+        View::overview(),
+        View::topdown(),
+        View::panorama().turned(77.0),
+        View::LookAt {
+            eye: [3.0, 5.0, 900.0],
+            target: [100.0, 50.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov: 60.0,
+            ortho: false,
+        },
+    ];
+    for view in views {
+        let options = SceneOptions { view, size: (512, 300), ..SceneOptions::default() };
+        let scene = Scene::new(Arc::new(random_field(40, 30)), &options).unwrap();
+        let position = |i: u32| [(i * 37 % 512) as f32 + 0.5, (i * 91 % 300) as f32 + 0.5];
+        let args: Vec<u32> = (0..COUNT).flat_map(position).map(f32::to_bits).collect();
+        let found = evaluate(&device, &queue, &scene, Intrinsic::Camera, &args, COUNT);
+        for at in 0..COUNT as usize {
+            let (args, found) = (&args[2 * at..2 * at + 2], &found[8 * at..8 * at + 8]);
+            let mut twin = [0; 8];
+            scene.eval_f32(Intrinsic::Camera, args, &mut twin);
+            assert!(close(Intrinsic::Camera, &twin, found), "{view:?}");
+            let wide = [0, 1].map(|i| f64::from(f32::from_bits(args[i])));
+            let mut exact = [0.0; 8];
+            scene.eval_f64(Intrinsic::Camera, &wide, &mut exact);
+            let apart = |turn: f64| {
+                (3..6).any(|i| (exact[i] + turn - f64::from(f32::from_bits(twin[i]))).abs() > 1e-6)
+            };
+            assert!(!apart(0.0) && apart(3e-6), "{view:?} {exact:?} {twin:?}");
         }
     }
 }

@@ -89,6 +89,18 @@ fn select(image: &Image, channels: &[usize]) -> Vec<f32> {
     pixels.flat_map(|pixel| channels.iter().map(move |c| pixel[*c])).collect()
 }
 
+/// Four bytes a pixel, opaque where the picture has no alpha.
+pub(super) fn eight_bit_rgba(image: &Image) -> Vec<u8> {
+    let pixels = eight_bit(&image.data);
+    let pixel = |p: &[u8]| match *p {
+        [grey] => [grey, grey, grey, 255],
+        [red, green] => [red, green, 0, 255],
+        [red, green, blue] => [red, green, blue, 255],
+        _ => [p[0], p[1], p[2], p[3]],
+    };
+    pixels.chunks_exact(image.components as usize).flat_map(pixel).collect()
+}
+
 /// Clamped to [0, 1] and rounded; what is not a number is black.
 fn eight_bit(data: &[f32]) -> Vec<u8> {
     data.iter().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8).collect()

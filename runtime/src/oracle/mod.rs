@@ -139,17 +139,18 @@ fn entry_value(oracle: &mut Evaluator, entry: FunctionId, args: &[Value]) -> Res
     convert::to_value(&result, &function.result, module)
 }
 
-/// Evaluates an image entry at the centre of every pixel; rows from the top, the components of a pixel side
+/// Evaluates an image entry at one point of every pixel, given from its top left corner; rows from the top, the components of a pixel side
 /// by side.
 pub fn render(
     module: &Module,
     entry: FunctionId,
     (width, height): (u32, u32),
+    [dx, dy]: [f64; 2],
     options: &OracleOptions,
     world: Option<&dyn World>,
 ) -> Result<Vec<f64>, RunError> {
-    let centre = |column: u32, row: u32| [column as f64 + 0.5, row as f64 + 0.5];
-    components(module, entry, (width, height), &centre, options, world)
+    let point = |column: u32, row: u32| [column as f64 + dx, row as f64 + dy];
+    components(module, entry, (width, height), &point, options, world)
 }
 
 /// The numbers of a `fn(vec2) -> T` at every point of a grid, those of a point side by side.

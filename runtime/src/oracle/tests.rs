@@ -241,6 +241,6 @@ fn parameters_can_be_set() {
 fn pictures_have_their_origin_top_left() {
     let checked = check("fn pixel(p: vec2) -> vec2 = p;");
     let entry = checked.module.function("pixel").expect("pixel is there");
-    let image = render(&checked.module, entry, (2, 2), &OracleOptions::default(), None).unwrap();
+    let image = render(&checked.module, entry, (2, 2), [0.5, 0.5], &OracleOptions::default(), None).unwrap();
     assert_eq!(image, [0.5, 0.5, 1.5, 0.5, 0.5, 1.5, 1.5, 1.5]);
 }

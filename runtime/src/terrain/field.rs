@@ -175,6 +175,34 @@ impl Terrain {
         })
     }
 
+    /// The field as it lies below the horizon of a point over (x, y): the Earth's curvature lets a height at distance d
+    /// fall by d^2 (1 - k) / (2 R), where the air bends sight by the part k of the curvature, about 0.13. Between samples
+    /// the fall is that of the surface, which is off by less than (dx^2 + dy^2) / (8 R): 0.04 mm for samples 30 m apart.
+    pub fn curved(&self, [x, y]: [f64; 2], k: f64) -> Terrain {
+        const RADIUS: f64 = 6_371_000.0;
+        let fall = (1.0 - k) / (2.0 * RADIUS);
+        let height = |index: usize| {
+            let (c, r) = (index % self.width as usize, index / self.width as usize);
+            let (dx, dy) = (c as f64 * self.spacing[0] - x, r as f64 * self.spacing[1] - y);
+            let z = self.samples.get(index)? * self.scale + self.offset;
+            Some(z - (dx * dx + dy * dy) * fall)
+        };
+        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut data = Vec::with_capacity(self.samples.len());
+        for index in 0..self.samples.len() {
+            let z = height(index).map(|z| z as f32);
+            if let Some(z) = z {
+                (min, max) = (min.min(f64::from(z)), max.max(f64::from(z)));
+            }
+            data.push(z.unwrap_or(VOID_F32));
+        }
+        if min > max {
+            (min, max) = (0.0, 0.0);
+        }
+        let samples = Samples::F32(data);
+        Terrain { samples, scale: 1.0, offset: 0.0, min, max, ..self.clone() }
+    }
+
     /// Height in metres of column c, row r from the south; none for a void or outside.
     pub fn sample(&self, c: u32, r: u32) -> Option<f64> {
         if c >= self.width || r >= self.height {
@@ -241,6 +269,20 @@ mod tests {
             let error = Terrain::from_heights(w, h, [1.0, 1.0], vec![0.0; (w * h) as usize]).unwrap_err();
             assert!(error.to_string().contains("2 x 2"), "{error}");
         }
+    }
+
+    #[test]
+    fn far_samples_fall_and_holes_stay() {
+        let mut heights = vec![100.0; 101 * 2];
+        heights[7] = f32::NAN;
+        let field = Terrain::from_heights(101, 2, [1000.0, 1.0], heights).unwrap();
+        let curved = field.curved([0.0, 0.0], 0.0);
+        assert_eq!((curved.sample(0, 0), curved.sample(7, 0)), (Some(100.0), None));
+        // 100 km: 785 m without the air.
+        let fall = |t: &Terrain| 100.0 - t.sample(100, 0).unwrap();
+        assert!((fall(&curved) - 784.8).abs() < 0.1, "{}", fall(&curved));
+        assert!((fall(&field.curved([0.0, 0.0], 0.13)) - 0.87 * 784.8).abs() < 0.1);
+        assert!((curved.min - curved.sample(100, 1).unwrap()).abs() < 1e-6);
     }
 
     #[test]

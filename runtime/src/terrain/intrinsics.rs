@@ -11,6 +11,7 @@ use super::range;
 use super::ray::WorldRay;
 use super::scene::Scene;
 use super::surface;
+use super::view::Projection;
 use super::walk::{self, Heights, Heights16, Heights32};
 use crate::world::World;
 use ghyll_compiler::intrinsics::Intrinsic;
@@ -238,11 +239,32 @@ fn found(out: &mut [u32], distance: Option<f32>) {
     out[1] = distance.unwrap_or(0.0).to_bits();
 }
 
+/// Cosine and sine of a part of a full turn.
+#[allow(clippy::excessive_precision)]
+fn circle(turn: f32) -> [f32; 2] {
+    let quarter = (4.0 * turn).round_ties_even();
+    let x = (4.0 * turn - quarter) * 1.5707963;
+    let q = x * x;
+    let sine = x + x * q * (-0.16666667 + q * (0.008333333 + q * (-0.0001984127 + q * 2.7557319e-6)));
+    let cosine = 1.0 + q * (-0.5 + q * (0.041666668 + q * (-0.0013888889 + q * 2.4801588e-5)));
+    let count = quarter as i32 & 3;
+    let [c, s] = if count & 1 != 0 { [-sine, cosine] } else { [cosine, sine] };
+    if count & 2 != 0 { [-c, -s] } else { [c, s] }
+}
+
 /// Twin of `shaders/terrain/camera.wgsl`.
 fn camera(scene: &SceneUniform, x: f32, y: f32) -> [f32; 8] {
     let (i, j) = (x - scene.middle[0], y - scene.middle[1]);
     let offset = [0, 1, 2].map(|a| i * scene.across[a] + j * scene.down[a]);
-    if scene.orthographic != 0 {
+    if scene.projection == Projection::Panorama as u32 {
+        let ([ox, oy, oz], [fx, fy, _]) = (scene.eye, scene.forward);
+        let a = circle(i * scene.across[0]);
+        let e = circle(-(j * scene.down[0]));
+        let dx = e[0] * (a[0] * fx + a[1] * fy);
+        let dy = e[0] * (a[0] * fy - a[1] * fx);
+        return [ox, oy, oz, dx, dy, e[1], scene.near, scene.far];
+    }
+    if scene.projection == Projection::Orthographic as u32 {
         let [ox, oy, oz] = [0, 1, 2].map(|a| scene.eye[a] + offset[a]);
         let [dx, dy, dz] = scene.forward;
         return [ox, oy, oz, dx, dy, dz, scene.near, scene.far];

@@ -6,6 +6,7 @@ use super::layout::SceneUniform;
 use super::means::Means;
 use super::micro::Micro;
 use super::pyramid::{self, Bounds, MAX_LEVELS, Pyramid, Side};
+use super::sun::Sun;
 use super::view::{Camera, View};
 use std::sync::{Arc, OnceLock};
 
@@ -19,41 +20,14 @@ pub enum SceneError {
     NotFinite,
     #[error("the field of view is {0} degrees; it must lie between 0 and 180")]
     FieldOfView(f64),
+    #[error("there is no ground at {0}, {1}: it is outside the field or in a hole")]
+    NoGround(f64, f64),
     #[error("the camera stands where it looks at; move --eye or --look-at")]
     SamePlace,
     #[error("the sun's azimuth and elevation must be finite numbers")]
     Sun,
     #[error("heights are exaggerated by {0}; the factor must be positive and finite")]
     Exaggeration(f64),
-}
-
-/// Directions in degrees: azimuth clockwise from north, elevation above the horizon.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sun {
-    pub azimuth: f64,
-    pub elevation: f64,
-}
-
-impl Default for Sun {
-    /// From the north-west, as on maps.
-    fn default() -> Sun {
-        Sun { azimuth: 310.0, elevation: 34.0 }
-    }
-}
-
-impl Sun {
-    /// Unit vector towards the sun.
-    pub fn dir(&self) -> [f64; 3] {
-        let (sin_a, cos_a) = self.azimuth.to_radians().sin_cos();
-        let (sin_e, cos_e) = self.elevation.to_radians().sin_cos();
-        [sin_a * cos_e, cos_a * cos_e, sin_e]
-    }
-
-    /// White when high, red when low, as the air colours it.
-    pub fn color(&self) -> [f64; 3] {
-        let high = (self.elevation / 40.0).clamp(0.0, 1.0).sqrt();
-        [1.0, 0.62 + 0.35 * high, 0.36 + 0.54 * high]
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -253,7 +227,7 @@ fn uniform(terrain: &Terrain, camera: &Camera, options: &SceneOptions) -> SceneU
         top: shapes.len() as u32 - 1,
         size: [terrain.width, terrain.height],
         fuel: 4 * (terrain.width + terrain.height) + 64,
-        orthographic: u32::from(camera.orthographic),
+        projection: camera.projection as u32,
         eye: single(camera.eye.to_array()),
         near: 0.0,
         forward: single(camera.forward.to_array()),
@@ -275,12 +249,6 @@ fn uniform(terrain: &Terrain, camera: &Camera, options: &SceneOptions) -> SceneU
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_sun_of_a_map_stands_in_the_north_west() {
-        let [x, y, z] = Sun { azimuth: 315.0, elevation: 45.0 }.dir();
-        assert!(x < 0.0 && y > 0.0 && (z - 0.5f64.sqrt()).abs() < 1e-12);
-    }
 
     #[test]
     fn bad_options_have_their_own_errors() {

@@ -2,14 +2,16 @@
 //! once.
 
 use super::field::Terrain;
+use super::framing::{frame, highest, outline, revolved};
 use super::scene::SceneError;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+use std::f64::consts::TAU;
 use std::str::FromStr;
 
 /// Vertical field of view of the named views, in degrees.
 pub const NAMED_FOV: f64 = 35.0;
-/// Part of the picture that a framed field may fill.
-const FRAME: f64 = 0.94;
+/// Metres above the ground from which a panorama is seen.
+pub const STANDING: f64 = 3.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NamedView {
@@ -35,7 +37,7 @@ impl NamedView {
     ];
 
     /// Line of sight: azimuth clockwise from north and angle downwards, in degrees.
-    fn direction(self) -> (f64, f64) {
+    pub(super) fn direction(self) -> (f64, f64) {
         match self {
             NamedView::Overview => (0.0, 30.0),
             NamedView::Topdown => (0.0, 90.0),
@@ -61,9 +63,26 @@ pub enum View {
     /// `ortho` makes any named view orthographic; `topdown` always is. `fov` is vertical, in degrees; the camera stands
     /// where the field fills it.
     Named { view: NamedView, fov: f64, ortho: bool },
+    /// A named view whose camera is turned about the field's middle, clockwise seen from above, by `turn` degrees. It
+    /// stands as far away as every turn needs, so that the turns make a turntable.
+    Turned { view: NamedView, fov: f64, ortho: bool, turn: f64 },
     /// World metres; `fov` is vertical, in degrees. With `ortho` the picture is as high as the field of view is at the
     /// target.
     LookAt { eye: [f64; 3], target: [f64; 3], up: [f64; 3], fov: f64, ortho: bool },
+    /// All directions around a point (equirectangular): columns are azimuths, 360 degrees of them, with `azimuth`,
+    /// clockwise from north, in the middle; rows are elevations, the horizon in the middle. `fov` is from the lowest to the
+    /// highest row, at most 180 degrees; where none is given, as many as make pixels square on the horizon.
+    Panorama { from: Stand, azimuth: f64, fov: Option<f64> },
+}
+
+/// Where a panorama is seen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stand {
+    /// [`STANDING`] above the highest sample.
+    Summit,
+    /// [`STANDING`] above the ground at a position.
+    Ground([f64; 2]),
+    At([f64; 3]),
 }
 
 impl View {
@@ -74,6 +93,49 @@ impl View {
     pub fn topdown() -> View {
         View::Named { view: NamedView::Topdown, fov: NAMED_FOV, ortho: true }
     }
+
+    pub fn panorama() -> View {
+        View::Panorama { from: Stand::Summit, azimuth: 0.0, fov: None }
+    }
+
+    /// The view of a camera that has a place, so that it can be kept while the field changes.
+    pub fn of(camera: &Camera) -> Option<View> {
+        let eye = camera.eye.to_array();
+        let fov = |pixel: f64| 2.0 * (pixel * camera.middle[1]).atan().to_degrees();
+        match camera.projection {
+            Projection::Orthographic => None,
+            Projection::Perspective => Some(View::LookAt {
+                eye,
+                target: (camera.eye + camera.forward * camera.eye.length().max(1.0)).to_array(),
+                up: (-camera.down).normalize().to_array(),
+                fov: fov(camera.down.length()),
+                ortho: false,
+            }),
+            Projection::Panorama => Some(View::Panorama {
+                from: Stand::At(eye),
+                azimuth: camera.forward.x.atan2(camera.forward.y).to_degrees(),
+                fov: Some(camera.down.x * 360.0 * 2.0 * camera.middle[1]),
+            }),
+        }
+    }
+
+    /// The same turned clockwise by degrees: about the field's middle, about the target, or on the spot.
+    #[must_use]
+    pub fn turned(self, degrees: f64) -> View {
+        match self {
+            View::Named { view, fov, ortho } => View::Turned { view, fov, ortho, turn: degrees },
+            View::Turned { view, fov, ortho, turn } => {
+                View::Turned { view, fov, ortho, turn: turn + degrees }
+            }
+            View::LookAt { eye, target, up, fov, ortho } => {
+                let turn = DQuat::from_rotation_z(-degrees.to_radians());
+                let (eye, to) = (DVec3::from(eye), DVec3::from(target));
+                let eye = (to + turn * (eye - to)).to_array();
+                View::LookAt { eye, target, up: (turn * DVec3::from(up)).to_array(), fov, ortho }
+            }
+            View::Panorama { from, azimuth, fov } => View::Panorama { from, azimuth: azimuth + degrees, fov },
+        }
+    }
 }
 
 impl Default for View {
@@ -82,18 +144,27 @@ impl Default for View {
     }
 }
 
+/// How pixels become rays; the shaders know it by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Projection {
+    Perspective = 0,
+    Orthographic = 1,
+    Panorama = 2,
+}
+
 /// A view made definite for a field and a picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub eye: DVec3,
-    /// Unit.
+    /// Unit; level in a panorama.
     pub forward: DVec3,
-    /// From one pixel to the next, rightwards and downwards; at distance 1 if perspective.
+    /// From one pixel to the next, rightwards and downwards; at distance 1 if perspective. A panorama has its pixels' width
+    /// and height here as parts of a full turn, in x.
     pub across: DVec3,
     pub down: DVec3,
     /// The picture's middle in pixels.
     pub middle: [f64; 2],
-    pub orthographic: bool,
+    pub projection: Projection,
 }
 
 impl Camera {
@@ -110,7 +181,20 @@ impl Camera {
             View::Named { view, fov, ortho } => {
                 check_fov(*fov)?;
                 let points = outline(terrain, exaggerate);
-                Ok(frame(*view, *fov, *ortho || *view == NamedView::Topdown, &points, size))
+                Ok(frame(view.direction(), *fov, *ortho || *view == NamedView::Topdown, &points, size))
+            }
+            View::Turned { view, fov, ortho, turn } => {
+                check_fov(*fov)?;
+                if !turn.is_finite() {
+                    return Err(SceneError::NotFinite);
+                }
+                let points = revolved(terrain, &outline(terrain, exaggerate));
+                let (azimuth, dip) = view.direction();
+                let flat = *ortho || *view == NamedView::Topdown;
+                Ok(frame((azimuth + turn, dip), *fov, flat, &points, size))
+            }
+            View::Panorama { from, azimuth, fov } => {
+                around(stand(*from, terrain, exaggerate)?, *azimuth, *fov, size)
             }
             View::LookAt { eye, target, up, fov, ortho } => look_at(*eye, *target, *up, *fov, *ortho, size),
         }
@@ -118,19 +202,76 @@ impl Camera {
 
     /// Origin and unit direction of the ray through pixel position (x, y).
     pub fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
-        let offset = (x - self.middle[0]) * self.across + (y - self.middle[1]) * self.down;
-        if self.orthographic {
-            (self.eye + offset, self.forward)
-        } else {
-            (self.eye, (self.forward + offset).normalize())
+        let (i, j) = (x - self.middle[0], y - self.middle[1]);
+        let offset = i * self.across + j * self.down;
+        match self.projection {
+            Projection::Perspective => (self.eye, (self.forward + offset).normalize()),
+            Projection::Orthographic => (self.eye + offset, self.forward),
+            Projection::Panorama => {
+                let (sin_a, cos_a) = (i * self.across.x * TAU).sin_cos();
+                let (sin_e, cos_e) = (-j * self.down.x * TAU).sin_cos();
+                let right = DVec3::new(self.forward.y, -self.forward.x, 0.0);
+                (self.eye, cos_e * (cos_a * self.forward + sin_a * right) + sin_e * DVec3::Z)
+            }
         }
     }
 
     /// A pixel's width at distance t is x + y t.
     pub fn pixel_width(&self) -> [f64; 2] {
         let width = self.down.length();
-        if self.orthographic { [width, 0.0] } else { [0.0, width] }
+        match self.projection {
+            Projection::Perspective => [0.0, width],
+            Projection::Orthographic => [width, 0.0],
+            Projection::Panorama => [0.0, width * TAU],
+        }
     }
+}
+
+/// The place that a panorama is seen from.
+fn stand(from: Stand, terrain: &Terrain, exaggerate: f64) -> Result<DVec3, SceneError> {
+    let (x, y, z) = match from {
+        Stand::At(at) => return Ok(DVec3::from(at)),
+        Stand::Summit => highest(terrain),
+        Stand::Ground([x, y]) => {
+            let ground = ground(terrain, x, y).ok_or(SceneError::NoGround(x, y))?;
+            (x, y, ground)
+        }
+    };
+    Ok(DVec3::new(x, y, z * exaggerate + STANDING))
+}
+
+/// Bilinear height over a position on the field; none outside and in a hole.
+fn ground(terrain: &Terrain, x: f64, y: f64) -> Option<f64> {
+    let (gx, gy) = (x / terrain.spacing[0], y / terrain.spacing[1]);
+    let inside = |g: f64, n: u32| (0.0..=f64::from(n - 1)).contains(&g);
+    if !inside(gx, terrain.width) || !inside(gy, terrain.height) {
+        return None;
+    }
+    let (i, j) = ((gx as u32).min(terrain.width - 2), (gy as u32).min(terrain.height - 2));
+    let (u, v) = (gx - f64::from(i), gy - f64::from(j));
+    let row = |j: u32| Some(terrain.sample(i, j)? * (1.0 - u) + terrain.sample(i + 1, j)? * u);
+    Some(row(j)? * (1.0 - v) + row(j + 1)? * v)
+}
+
+fn around(eye: DVec3, azimuth: f64, fov: Option<f64>, size: (u32, u32)) -> Result<Camera, SceneError> {
+    if !eye.is_finite() || !azimuth.is_finite() {
+        return Err(SceneError::NotFinite);
+    }
+    let across = 1.0 / f64::from(size.0);
+    let down = match fov {
+        Some(fov) if fov > 0.0 && fov <= 180.0 => fov / 360.0 / f64::from(size.1),
+        Some(fov) => return Err(SceneError::FieldOfView(fov)),
+        None => across.min(0.5 / f64::from(size.1)),
+    };
+    let (sin, cos) = azimuth.to_radians().sin_cos();
+    Ok(Camera {
+        eye,
+        forward: DVec3::new(sin, cos, 0.0),
+        across: DVec3::X * across,
+        down: DVec3::X * down,
+        middle: middle(size),
+        projection: Projection::Panorama,
+    })
 }
 
 fn look_at(
@@ -161,7 +302,7 @@ fn look_at(
         across: right * pixel,
         down: forward.cross(right) * pixel,
         middle: middle(size),
-        orthographic,
+        projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
     })
 }
 
@@ -169,92 +310,8 @@ fn check_fov(fov: f64) -> Result<(), SceneError> {
     if fov > 0.0 && fov < 180.0 { Ok(()) } else { Err(SceneError::FieldOfView(fov)) }
 }
 
-fn middle(size: (u32, u32)) -> [f64; 2] {
+pub(super) fn middle(size: (u32, u32)) -> [f64; 2] {
     [f64::from(size.0) / 2.0, f64::from(size.1) / 2.0]
-}
-
-/// Points whose hull is nearly that of the field: a coarse grid of samples, and the corners at the lowest height.
-fn outline(terrain: &Terrain, exaggerate: f64) -> Vec<DVec3> {
-    const GRID: u32 = 48;
-    let picks = |n: u32| (0..=GRID).map(move |k| (u64::from(n - 1) * u64::from(k) / u64::from(GRID)) as u32);
-    let place = |c: u32, r: u32, z: f64| {
-        DVec3::new(f64::from(c) * terrain.spacing[0], f64::from(r) * terrain.spacing[1], z * exaggerate)
-    };
-    let mut points = Vec::new();
-    for r in picks(terrain.height) {
-        for c in picks(terrain.width) {
-            let rim = (c == 0 || c + 1 == terrain.width) && (r == 0 || r + 1 == terrain.height);
-            if rim {
-                points.push(place(c, r, terrain.min));
-            }
-            if let Some(z) = terrain.sample(c, r) {
-                points.push(place(c, r, z));
-            }
-        }
-    }
-    points
-}
-
-/// The nearest camera in the view's direction that sees all points.
-fn frame(view: NamedView, fov: f64, orthographic: bool, points: &[DVec3], size: (u32, u32)) -> Camera {
-    let (azimuth, dip) = view.direction();
-    let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
-    let (sin_d, cos_d) = dip.to_radians().sin_cos();
-    // A quarter turn has an exact cosine, so that the map view is straight.
-    let cos_d = if dip == 90.0 { 0.0 } else { cos_d };
-    let forward = DVec3::new(sin_a * cos_d, cos_a * cos_d, -sin_d);
-    let right = DVec3::new(cos_a, -sin_a, 0.0);
-    let up = right.cross(forward);
-
-    let tan_y = (fov.to_radians() / 2.0).tan();
-    let tan_x = tan_y * f64::from(size.0) / f64::from(size.1);
-    let (fit_x, fit_y) = (tan_x * FRAME, tan_y * FRAME);
-    let local = |p: &DVec3| (p.dot(right), p.dot(up), p.dot(forward));
-    let most =
-        |f: &dyn Fn((f64, f64, f64)) -> f64| points.iter().map(|p| f(local(p))).fold(f64::MIN, f64::max);
-    if orthographic {
-        let (east, west) = (most(&|(x, _, _)| x), -most(&|(x, _, _)| -x));
-        let (top, bottom) = (most(&|(_, y, _)| y), -most(&|(_, y, _)| -y));
-        let near = -most(&|(_, _, z)| -z);
-        let depth = most(&|(_, _, z)| z) - near;
-        let half = ((top - bottom) / 2.0).max((east - west) / 2.0 * tan_y / tan_x) / FRAME;
-        let pixel = 2.0 * half / f64::from(size.1);
-        let back = near - 0.05 * (depth + half) - 1.0;
-        return Camera {
-            eye: right * (east + west) / 2.0 + up * (top + bottom) / 2.0 + forward * back,
-            forward,
-            across: right * pixel,
-            down: -up * pixel,
-            middle: middle(size),
-            orthographic,
-        };
-    }
-    // A point is inside if |x - x0| <= fit_x (z - z0), and so for y: the foremost z0.
-    let (a, b) = (most(&|(x, _, z)| x / fit_x - z), most(&|(x, _, z)| -x / fit_x - z));
-    let (c, d) = (most(&|(_, y, z)| y / fit_y - z), most(&|(_, y, z)| -y / fit_y - z));
-    let back = ((a + b) / 2.0).max((c + d) / 2.0);
-    // Between the bounds of x0, and of y0, where both margins of the picture are equal.
-    let balance = |lo: f64, hi: f64, side: &dyn Fn((f64, f64, f64)) -> f64| {
-        let (mut lo, mut hi) = (lo.min(hi), hi.max(lo));
-        for _ in 0..60 {
-            let at = 0.5 * (lo + hi);
-            let over = most(&|p| (side(p) - at) / (p.2 + back));
-            let under = most(&|p| (at - side(p)) / (p.2 + back));
-            if over > under { lo = at } else { hi = at }
-        }
-        0.5 * (lo + hi)
-    };
-    let x0 = balance(fit_x * (a - back), fit_x * (back - b), &|(x, _, _)| x);
-    let y0 = balance(fit_y * (c - back), fit_y * (back - d), &|(_, y, _)| y);
-    let pixel = 2.0 * tan_y / f64::from(size.1);
-    Camera {
-        eye: right * x0 + up * y0 - forward * back,
-        forward,
-        across: right * pixel,
-        down: -up * pixel,
-        middle: middle(size),
-        orthographic,
-    }
 }
 
 #[cfg(test)]
@@ -264,7 +321,7 @@ mod tests {
     fn project(camera: &Camera, p: DVec3) -> (f64, f64) {
         let q = p - camera.eye;
         let pixel2 = camera.across.length_squared();
-        let depth = if camera.orthographic { 1.0 } else { q.dot(camera.forward) };
+        let depth = if camera.projection == Projection::Orthographic { 1.0 } else { q.dot(camera.forward) };
         let x = camera.middle[0] + q.dot(camera.across) / pixel2 / depth;
         let y = camera.middle[1] + q.dot(camera.down) / pixel2 / depth;
         (x, y)
@@ -314,5 +371,66 @@ mod tests {
         }
         let same = view([4.0, 5.0, 6.0], [0.0, 0.0, 1.0]);
         assert!(matches!(Camera::new(&same, &terrain, 1.0, (64, 32)), Err(SceneError::SamePlace)));
+    }
+    #[test]
+    fn a_camera_gives_its_view_back() {
+        let terrain = Terrain::builtin();
+        for view in [View::overview(), View::panorama().turned(40.0), View::overview().turned(70.0)] {
+            let camera = Camera::new(&view, &terrain, 1.0, (300, 200)).unwrap();
+            let again = Camera::new(&View::of(&camera).unwrap(), &terrain, 1.0, (300, 200)).unwrap();
+            for (x, y) in [(0.0, 0.0), (150.0, 100.0), (300.0, 20.0)] {
+                let ((o, d), (p, e)) = (camera.ray(x, y), again.ray(x, y));
+                assert!((o - p).length() < 1e-6 && (d - e).length() < 1e-9, "{view:?}");
+            }
+        }
+        let flat = Camera::new(&View::topdown(), &terrain, 1.0, (300, 200)).unwrap();
+        assert_eq!(View::of(&flat), None);
+    }
+
+    #[test]
+    fn a_turntable_frames_the_field_at_every_turn() {
+        let heights = (0..40 * 9).map(|i| if i == 41 { 900.0 } else { 0.0 }).collect();
+        let terrain = Terrain::from_heights(40, 9, [30.0, 20.0], heights).unwrap();
+        let mut eyes = Vec::new();
+        for turn in 0..12 {
+            let view = View::overview().turned(30.0 * f64::from(turn));
+            let camera = Camera::new(&view, &terrain, 1.0, (320, 200)).unwrap();
+            for p in outline(&terrain, 1.0) {
+                let (x, y) = project(&camera, p);
+                assert!((0.0..=320.0).contains(&x) && (0.0..=200.0).contains(&y), "{turn}: {p} on {x} {y}");
+            }
+            eyes.push(camera.eye);
+        }
+        let middle = DVec3::new(39.0 * 15.0, 80.0, 0.0);
+        let away = |eye: &DVec3| (*eye - middle).truncate().length();
+        for eye in &eyes {
+            assert!((away(eye) - away(&eyes[0])).abs() < 1e-3 * away(&eyes[0]), "{eyes:?}");
+            assert!((eye.z - eyes[0].z).abs() < 1e-3 * away(&eyes[0]));
+        }
+        // A quarter turn clockwise of a camera in the south is one in the west.
+        assert!(eyes[0].y < 0.0 && eyes[3].x < 0.0);
+    }
+
+    #[test]
+    fn a_panorama_looks_everywhere() {
+        let heights = (0..25).map(|i| if i == 7 { 50.0 } else { 0.0 }).collect();
+        let terrain = Terrain::from_heights(5, 5, [10.0, 10.0], heights).unwrap();
+        let camera = Camera::new(&View::panorama(), &terrain, 2.0, (360, 180)).unwrap();
+        assert_eq!(camera.eye, DVec3::new(20.0, 10.0, 103.0));
+        let towards = |x, y| camera.ray(x, y).1;
+        let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a} {b}");
+        near(towards(180.0, 90.0), DVec3::Y);
+        near(towards(270.0, 90.0), DVec3::X);
+        near(towards(0.0, 90.0), -DVec3::Y);
+        near(towards(77.0, 0.0), DVec3::Z);
+        let turned = Camera::new(&View::panorama().turned(90.0), &terrain, 1.0, (360, 360)).unwrap();
+        near(turned.ray(180.0, 180.0).1, DVec3::X);
+        near(turned.ray(180.0, 360.0).1, -DVec3::Z);
+        let at = |from| View::Panorama { from, azimuth: 0.0, fov: Some(60.0) };
+        let ground = Camera::new(&at(Stand::Ground([15.0, 10.0])), &terrain, 1.0, (36, 60)).unwrap();
+        assert_eq!(ground.eye.z, 28.0);
+        assert!((ground.ray(0.0, 0.0).1.z - 0.5).abs() < 1e-12);
+        let outside = Camera::new(&at(Stand::Ground([-1.0, 10.0])), &terrain, 1.0, (36, 60));
+        assert!(matches!(outside, Err(SceneError::NoGround(..))));
     }
 }

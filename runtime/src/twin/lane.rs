@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::machine::{Machine, Stop};
 use super::pool::Pool;
 use super::tokens::Tokens;
+use crate::config::Config;
 use crate::error::RunError;
-use crate::progress::Progress;
 
 /// Pixels along a tile's side.
 const TILE: u32 = 8;
@@ -30,7 +30,7 @@ pub fn image(
     (width, height): (u32, u32),
     components: u32,
     entry: u32,
-    progress: &Progress,
+    config: &Config,
 ) -> Result<Vec<f32>, RunError> {
     let mut image = vec![0.0; width as usize * height as usize * components as usize];
     // Strips of tiles, lower where there would be too few for all threads.
@@ -43,10 +43,10 @@ pub fn image(
     let done = AtomicU64::new(0);
     let draw = |(at, pixels): (usize, &mut [f32])| {
         let first = at as u32 * rows;
-        let strip = Strip { first, rows: rows.min(height - first), width, components };
+        let strip = Strip { first, rows: rows.min(height - first), width, components, point: config.point };
         pool.with(|machine| strip.draw(machine, entry, pixels))?;
         let drawn = u64::from(strip.rows);
-        progress.part((width, height), done.fetch_add(drawn, Relaxed) + drawn, height.into());
+        config.progress.part((width, height), done.fetch_add(drawn, Relaxed) + drawn, height.into());
         Ok(())
     };
     image.par_chunks_mut(strip).enumerate().try_for_each(draw)?;
@@ -58,6 +58,7 @@ struct Strip {
     rows: u32,
     width: u32,
     components: u32,
+    point: [f32; 2],
 }
 
 impl Strip {
@@ -81,7 +82,7 @@ impl Strip {
         [x, y]: [u32; 2],
         to: &mut [f32],
     ) -> Result<(), RunError> {
-        machine.begin_pixel(y.wrapping_mul(self.width).wrapping_add(x), centre([x, y]), entry);
+        machine.begin_pixel(y.wrapping_mul(self.width).wrapping_add(x), within([x, y], self.point), entry);
         let stop = machine.run(u64::MAX)?;
         match (stop, machine.literals()) {
             (Stop::Store, [_, words @ ..]) if words.len() == to.len() => {
@@ -98,7 +99,7 @@ impl Strip {
     }
 }
 
-/// Position of a pixel's centre.
-pub fn centre([x, y]: [u32; 2]) -> [f32; 2] {
-    [x as f32 + 0.5, y as f32 + 0.5]
+/// Position of a point in a pixel.
+pub fn within([x, y]: [u32; 2], [dx, dy]: [f32; 2]) -> [f32; 2] {
+    [x as f32 + dx, y as f32 + dy]
 }

@@ -131,7 +131,7 @@ impl Twin {
         self.in_pool(config, world, image, |pool| match config.rewriter {
             Rewriter::Block => self.render_blocks(pool, (width, height), components, entry.0, config),
             Rewriter::Auto | Rewriter::Lane => {
-                let picture = lane::image(pool, (width, height), components, entry.0, &config.progress)?;
+                let picture = lane::image(pool, (width, height), components, entry.0, config)?;
                 Ok((picture, Stats::default()))
             }
         })
@@ -155,7 +155,7 @@ impl Twin {
             let mut stream = Tokens::default();
             for index in first..(first + part).min(pixels) {
                 let at = [(index % u64::from(width)) as u32, (index / u64::from(width)) as u32];
-                let [x, y] = lane::centre(at).map(f32::to_bits);
+                let [x, y] = lane::within(at, config.point).map(f32::to_bits);
                 stream.push_literals(&[index as u32, x, y]);
                 stream.push_function(entry);
                 stream.push_function(self.code.store());

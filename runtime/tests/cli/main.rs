@@ -2,6 +2,7 @@
 
 mod bakes;
 mod build;
+mod films;
 mod machine;
 mod manual;
 mod maps;

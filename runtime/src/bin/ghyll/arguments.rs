@@ -1,5 +1,6 @@
 //! Command-line arguments (LANGUAGE.md, section 10).
 
+use crate::moving::Moving;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -197,31 +198,53 @@ pub struct Render {
     #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
     pub output: PathBuf,
     /// Size in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = dimensions,
-          allow_hyphen_values = true)]
-    pub size: [u32; 2],
-    /// Named view that frames any field.
-    #[arg(long, value_name = "NAME", default_value = "overview", conflicts_with = "eye",
-          value_parser = ["overview", "topdown", "north", "south", "east", "west"])]
-    pub view: String,
-    /// Camera position in world metres.
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "look_at", allow_hyphen_values = true)]
-    pub eye: Option<[f64; 3]>,
+    #[arg(long, value_name = "WxH", value_parser = dimensions, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+    /// Named view that frames any field, or panorama: all around a point, by default over the summit; overview if absent.
+    #[arg(long, value_name = "NAME",
+          value_parser = ["overview", "topdown", "north", "south", "east", "west", "panorama"])]
+    pub view: Option<String>,
+    /// Camera position in world metres. A panorama may leave out Z and stands 3 m above the ground.
+    #[arg(long, value_name = "X,Y,Z", value_parser = eye, allow_hyphen_values = true)]
+    pub eye: Option<Moving>,
     /// Point in the middle of the picture.
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "eye", allow_hyphen_values = true)]
-    pub look_at: Option<[f64; 3]>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = target, requires = "eye", allow_hyphen_values = true)]
+    pub look_at: Option<Moving>,
     /// Direction that is up in the picture.
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, requires = "eye", allow_hyphen_values = true)]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees.
-    #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
-    pub fov: Option<f64>,
+    #[arg(long, value_name = "DEG", value_parser = fov, allow_hyphen_values = true)]
+    pub fov: Option<Moving>,
     /// Parallel rays.
     #[arg(long)]
     pub ortho: bool,
     /// Direction of the sun in degrees: azimuth clockwise from north, elevation above the horizon.
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = sun, allow_hyphen_values = true)]
-    pub sun: Option<[f64; 2]>,
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = moving_sun, allow_hyphen_values = true)]
+    pub sun: Option<Moving>,
+    /// Sun of a time (UTC), such as 2026-06-21T15:00Z, over the elevation data or another place: 2026-06-21T15:00Z@46.5,8.0.
+    #[arg(long, value_name = "TIME[@LAT,LON]", conflicts_with = "sun")]
+    pub sun_at: Option<String>,
+    /// Lets heights fall off with the Earth's curvature; K is the part of it that refraction takes away.
+    #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true, default_missing_value = "0.13",
+          value_parser = refraction)]
+    pub curvature: Option<f64>,
+    /// Samples of every pixel, whose mean it becomes; 1 if absent.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub samples: Option<u32>,
+    /// Values for the parameters shadows, detail and lighting, samples and baking that favour one side; --set and --samples
+    /// go before them.
+    #[arg(long, value_name = "NAME", value_parser = ["time", "quality", "memory"])]
+    pub preset: Option<String>,
+    /// Frames A to B - 1 of a film; `t` is a frame's number in --set, --eye, --look-at, --fov, --sun and in a parameter `t`.
+    #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
+    pub frames: Option<[i64; 2]>,
+    /// Turns the camera once around over the frames.
+    #[arg(long, requires = "frames")]
+    pub turntable: bool,
+    /// Frames a second of a film.
+    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = rate, requires = "frames")]
+    pub fps: f64,
 }
 
 #[derive(Args)]
@@ -369,6 +392,47 @@ fn sun(text: &str) -> Result<[f64; 2], String> {
 
 fn triple(text: &str) -> Result<[f64; 3], String> {
     numbers(text, "three numbers with commas between")
+}
+
+fn eye(text: &str) -> Result<Moving, String> {
+    let point = |text: &str| pair(text).map(Vec::from).or_else(|_| triple(text).map(Vec::from));
+    Moving::parse(text, &[2, 3], point)
+}
+
+fn target(text: &str) -> Result<Moving, String> {
+    Moving::parse(text, &[3], |text| triple(text).map(Vec::from))
+}
+
+fn fov(text: &str) -> Result<Moving, String> {
+    Moving::parse(text, &[1], |text| Ok(vec![angle(text)?]))
+}
+
+fn moving_sun(text: &str) -> Result<Moving, String> {
+    Moving::parse(text, &[2], |text| sun(text).map(Vec::from))
+}
+
+fn refraction(text: &str) -> Result<f64, String> {
+    let [k] = numbers::<1>(text, "a number")?;
+    if (0.0..1.0).contains(&k) { Ok(k) } else { Err("must lie between 0 and 1".into()) }
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let [rate] = numbers::<1>(text, "frames a second")?;
+    if (0.1..=1000.0).contains(&rate) { Ok(rate) } else { Err("must lie between 0.1 and 1000".into()) }
+}
+
+/// The most frames of a film.
+const MOST_FRAMES: i64 = 100_000;
+
+fn frames(text: &str) -> Result<[i64; 2], String> {
+    let form = "expected A..B, such as 0..100: frames A to B - 1";
+    let (first, end) = text.split_once("..").ok_or(form)?;
+    let number = |text: &str| text.trim().parse::<i64>().map_err(|_| form.to_string());
+    let (first, end) = (number(first)?, number(end)?);
+    match end.checked_sub(first) {
+        Some(1..=MOST_FRAMES) if first.abs() <= 1 << 30 => Ok([first, end]),
+        _ => Err(format!("there must be 1 to {MOST_FRAMES} frames; the last one, B, is not drawn")),
+    }
 }
 
 fn spacing(text: &str) -> Result<[f64; 2], String> {

@@ -4,6 +4,7 @@
 mod arguments;
 mod commands;
 mod failure;
+mod moving;
 mod report;
 
 use arguments::{Arguments, Command};

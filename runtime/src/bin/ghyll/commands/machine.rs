@@ -40,6 +40,7 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
         timeout: arguments.timeout,
         trusted: !arguments.checked,
         progress: Progress::default(),
+        ..Config::default()
     };
     Ok((machine, config))
 }

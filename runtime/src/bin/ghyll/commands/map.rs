@@ -8,7 +8,7 @@ use ghyll_compiler::compile::EntryKind;
 use ghyll_runtime::machine::Job;
 
 pub fn map(arguments: &Map) -> Result<(), Failure> {
-    writable(&arguments.output)?;
+    writable(&arguments.output, false)?;
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Map))?;
     let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod build;
 pub mod check;
+mod film;
 pub mod info;
 mod machine;
 pub mod map;
@@ -31,8 +32,10 @@ fn read(path: &Path) -> Result<Source, Failure> {
 }
 
 /// A picture that cannot be written is known before it is computed.
-fn writable(output: &Path) -> Result<(), Failure> {
-    image::Format::of(output).map_err(|e| Failure::Usage(e.to_string()))?;
+fn writable(output: &Path, film: bool) -> Result<(), Failure> {
+    if !film {
+        image::Format::of(output).map_err(|e| Failure::Usage(e.to_string()))?;
+    }
     let shown = output.display();
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
@@ -59,15 +62,17 @@ fn checked(source: Source, json: bool) -> Result<Checked, Failure> {
 
 /// What the arguments ask of the compiler.
 fn options(program: &arguments::Program, want: Option<EntryKind>) -> Result<Options, Failure> {
-    let mut set = Vec::new();
-    for setting in &program.set {
-        let (name, value) = setting.split_once('=').ok_or_else(|| {
-            Failure::Usage(format!("--set {setting}: expected NAME=VALUE, such as --set detail=true"))
-        })?;
-        set.push((name.trim().to_string(), value.trim().to_string()));
-    }
+    let set = program.set.iter().map(|text| setting(text)).collect::<Result<_, _>>()?;
     let (entry, live) = (program.entry.clone(), program.live.clone());
     Ok(Options { entry, want, set, live, no_bake: program.no_bake })
+}
+
+/// Name and value of a parameter.
+fn setting(text: &str) -> Result<(String, String), Failure> {
+    let (name, value) = text.split_once('=').ok_or_else(|| {
+        Failure::Usage(format!("--set {text}: expected NAME=VALUE, such as --set detail=true"))
+    })?;
+    Ok((name.trim().to_string(), value.trim().to_string()))
 }
 
 fn refused(error: CompileError, json: bool) -> Failure {
@@ -83,8 +88,16 @@ fn compiled(
     program: &arguments::Program,
     want: Option<EntryKind>,
 ) -> Result<Compiled, Failure> {
-    let options = options(program, want)?;
-    let compiled = compile::compile(checked, &options).map_err(|error| refused(error, program.json))?;
+    compiled_as(checked, program, &options(program, want)?)
+}
+
+/// The same with the options made already.
+fn compiled_as(
+    checked: &Checked,
+    program: &arguments::Program,
+    options: &Options,
+) -> Result<Compiled, Failure> {
+    let compiled = compile::compile(checked, options).map_err(|error| refused(error, program.json))?;
     options.set.iter().try_for_each(|(name, text)| in_range(checked, name, text))?;
     if !program.json && !compiled.warnings.is_empty() {
         let diagnostics = compiled.warnings.clone();

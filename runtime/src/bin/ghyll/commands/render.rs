@@ -1,38 +1,109 @@
-//! `ghyll render`: a picture of an image entry.
+//! `ghyll render`: a picture of an image entry, or a film of it.
 
-use super::{checked, compiled, machine, read, scene, writable};
+use super::film::Film;
+use super::{checked, compiled_as, machine, read, scene, writable};
 use crate::arguments::Render;
 use crate::failure::Failure;
 use crate::report;
-use ghyll_compiler::compile::EntryKind;
 use ghyll_compiler::source::Source;
+use ghyll_runtime::image::{self, FilmFormat, ImageError};
 use ghyll_runtime::machine::Job;
+use ghyll_runtime::presets::Preset;
+use ghyll_runtime::renderer::Renderer;
+use std::time::Instant;
 
 /// What `ghyll render` shows without a file.
 const EXAMPLE: &str = include_str!("../../../../../lang-examples/fuji.ghyll");
 
 pub fn render(arguments: &Render) -> Result<(), Failure> {
-    writable(&arguments.output)?;
+    let film_format = FilmFormat::of(&arguments.output).filter(|_| arguments.frames.is_some());
+    writable(&arguments.output, film_format.is_some())?;
 
     let source = match &arguments.file {
         Some(path) => read(path)?,
         None => Source::new("lang-examples/fuji.ghyll", EXAMPLE),
     };
     let checked = checked(source, arguments.program.json)?;
-    let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Image))?;
+    let (film, options) = Film::new(&checked, arguments)?;
+    let mut compiled = compiled_as(&checked, &arguments.program, &options)?;
+    let first = film.as_ref().map(|film| film.frames.start);
+    let turn = |frame| film.as_ref().filter(|_| arguments.turntable).map_or(0.0, |film| film.turn(frame));
+    let looks: Vec<_> = match &film {
+        Some(film) => {
+            film.frames.clone().map(|t| scene::look(arguments, Some(t), turn(t))).collect::<Result<_, _>>()?
+        }
+        None => vec![scene::look(arguments, None, 0.0)?],
+    };
     let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
-    let scene = scene::of_render(&asked, arguments)?;
+    let views = scene::Views::open(&asked, arguments, looks)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
 
-    let [width, height] = arguments.size;
+    let size @ (width, height) = views.size();
     let progress = report::Bar::start("rendering");
     config.progress = progress.listener();
-    let outcome = Job::render_once(&checked, &compiled, scene, (&machine, &config), (width, height));
+    let started = Instant::now();
+    let wrong = |e: ImageError| Failure::Usage(e.to_string());
+    let count = film.as_ref().map_or(1, |film| film.frames.clone().count() as u32);
+    let mut open = match film_format {
+        Some(format) => {
+            Some(image::Film::create(&arguments.output, format, size, count, arguments.fps).map_err(wrong)?)
+        }
+        None => None,
+    };
+    let preset = arguments.preset.as_deref().and_then(Preset::named);
+    let samples = arguments.samples.or(preset.map(|preset| preset.samples)).unwrap_or(1);
+    let mut views = Some(views);
+    let mut renderer = Renderer::default();
+    let mut last = None;
+    for index in 0..count {
+        let frame = first.unwrap_or(0) + i64::from(index);
+        if let Some(film) = &film {
+            film.set(&checked, &mut compiled, frame)?;
+        }
+        let outcome = match views.take_if(|_| film.is_none() && samples == 1) {
+            Some(views) => Job::render_once(&checked, &compiled, views.only()?, (&machine, &config), size),
+            None => {
+                let scene = views.as_ref().map_or(Ok(None), |views| views.scene(index as usize))?;
+                let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
+                renderer.render_samples(&job, &machine, size, &config, samples)
+            }
+        };
+        let (picture, stats) = match outcome {
+            Ok(drawn) => drawn,
+            Err(error) => {
+                progress.finish();
+                return Err(Failure::run(error));
+            }
+        };
+        match (&mut open, &film) {
+            (Some(open), _) => open.add(&picture),
+            (None, Some(film)) => picture.save(film.file(&arguments.output, frame)),
+            (None, None) => picture.save(&arguments.output),
+        }
+        .map_err(wrong)?;
+        last = Some(stats);
+    }
     progress.finish();
-    let (picture, stats) = outcome.map_err(Failure::run)?;
-    picture.save(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
-    eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
-    report::stats(&arguments.machine, &machine, &stats);
+    if let Some(open) = open {
+        open.finish().map_err(wrong)?;
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    match &film {
+        None => eprintln!("wrote {} ({width}x{height}, {seconds:.2} s)", arguments.output.display()),
+        Some(film) => {
+            let name = match film_format {
+                Some(_) => arguments.output.display().to_string(),
+                None => {
+                    let file = |frame| film.file(&arguments.output, frame).display().to_string();
+                    format!("{} to {}", file(film.frames.start), file(film.frames.end - 1))
+                }
+            };
+            eprintln!("wrote {name} ({count} frames of {width}x{height}, {seconds:.2} s)");
+        }
+    }
+    if let Some(stats) = last {
+        report::stats(&arguments.machine, &machine, &stats);
+    }
     Ok(())
 }

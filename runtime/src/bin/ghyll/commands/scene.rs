@@ -2,12 +2,13 @@
 
 use crate::arguments::{On, Reading, Render, Terrain as TerrainArguments};
 use crate::failure::Failure;
+use crate::moving::Moving;
 use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{
-    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneOptions, Sun, Terrain,
-    View, Voids,
+    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneError, SceneOptions,
+    Stand, Sun, Terrain, View, Voids, sun,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -56,25 +57,143 @@ pub fn of_terrain(asked: &Asked, arguments: &TerrainArguments) -> Result<Option<
     asked.scene(arguments, &options)
 }
 
-pub fn of_render(asked: &Asked, arguments: &Render) -> Result<Option<Scene>, Failure> {
-    let view = match (arguments.eye, arguments.look_at) {
-        (Some(eye), Some(target)) => {
+/// Camera and sun of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    view: View,
+    sun: Option<Sun>,
+}
+
+/// What the arguments say of a frame; `turn` degrees are those of a turntable.
+pub fn look(arguments: &Render, frame: Option<i64>, turn: f64) -> Result<Look, Failure> {
+    let usage = |message: &str| Failure::Usage(message.into());
+    let at = |option: &str, moving: &Option<Moving>| match moving {
+        Some(moving) => moving.at(option, frame).map(Some),
+        None => Ok(None),
+    };
+    let eye = at("--eye", &arguments.eye)?;
+    let target = at("--look-at", &arguments.look_at)?;
+    let fov = at("--fov", &arguments.fov)?.map(|fov| fov[0]);
+    let panorama = arguments.view.as_deref() == Some("panorama");
+    if arguments.view.is_some() && eye.is_some() && !panorama {
+        return Err(usage("--view and --eye exclude each other, but for --view panorama"));
+    }
+    let view = match (eye.as_deref(), target.as_deref()) {
+        (eye, target) if panorama => {
+            if arguments.ortho || arguments.up.is_some() {
+                return Err(usage("a panorama has neither --ortho nor --up"));
+            }
+            let from = match eye {
+                None => Stand::Summit,
+                Some([x, y]) => Stand::Ground([*x, *y]),
+                Some(eye) => Stand::At([eye[0], eye[1], eye[2]]),
+            };
+            let azimuth = match (eye, target) {
+                (Some(eye), Some(target)) => (target[0] - eye[0]).atan2(target[1] - eye[1]).to_degrees(),
+                _ => 0.0,
+            };
+            View::Panorama { from, azimuth, fov }
+        }
+        (Some([x, y, z]), Some([to_x, to_y, to_z])) => {
             let up = arguments.up.unwrap_or([0.0, 0.0, 1.0]);
-            let fov = arguments.fov.unwrap_or(45.0);
-            View::LookAt { eye, target, up, fov, ortho: arguments.ortho }
+            let (eye, target) = ([*x, *y, *z], [*to_x, *to_y, *to_z]);
+            View::LookAt { eye, target, up, fov: fov.unwrap_or(45.0), ortho: arguments.ortho }
         }
+        (Some(_), Some(_)) => {
+            return Err(usage("--eye takes three numbers, X,Y,Z; only a panorama finds Z itself"));
+        }
+        (Some(_), None) => return Err(usage("--eye needs --look-at X,Y,Z, or --view panorama")),
         _ => {
-            let fov = arguments.fov.unwrap_or(NAMED_FOV);
-            View::Named { view: named(&arguments.view)?, fov, ortho: arguments.ortho }
+            let view = named(arguments.view.as_deref().unwrap_or("overview"))?;
+            View::Named { view, fov: fov.unwrap_or(NAMED_FOV), ortho: arguments.ortho }
         }
     };
-    let sun = match arguments.sun {
-        Some([azimuth, elevation]) => Sun { azimuth, elevation },
-        None => Sun::default(),
+    let sun = at("--sun", &arguments.sun)?.map(|sun| Sun { azimuth: sun[0], elevation: sun[1] });
+    if sun.is_some_and(|sun| sun.elevation.abs() > 90.0) {
+        return Err(usage("the sun's elevation must lie between -90 and 90"));
+    }
+    Ok(Look { view: if turn == 0.0 && !arguments.turntable { view } else { view.turned(turn) }, sun })
+}
+
+/// Time and place of `--sun-at`.
+fn sun_at(text: &str, terrain: &Terrain) -> Result<Sun, Failure> {
+    let wrong = |message: String| Failure::Usage(format!("--sun-at {text}: {message}"));
+    let form =
+        || wrong("expected a time in UTC, such as 2026-06-21T15:00Z or 2026-06-21T15:00Z@46.5,8.0".into());
+    let (time, place) = match text.split_once('@') {
+        Some((time, place)) => (time, Some(place)),
+        None => (text, None),
     };
-    let [width, height] = arguments.size;
-    let options = SceneOptions { view, size: (width, height), sun, exaggerate: arguments.terrain.exaggerate };
-    asked.scene(&arguments.terrain, &options)
+    let bare = time.trim().strip_suffix(['Z', 'z']).ok_or_else(form)?;
+    // Hours and minutes are enough.
+    let full = if bare.matches(':').count() == 1 { format!("{bare}:00Z") } else { format!("{bare}Z") };
+    let time = humantime::parse_rfc3339(&full).map_err(|_| form())?;
+    let place = match place {
+        Some(place) => {
+            let degrees: Option<Vec<f64>> = place.split(',').map(|x| x.trim().parse().ok()).collect();
+            <[f64; 2]>::try_from(degrees.unwrap_or_default()).map_err(|_| form())?
+        }
+        None => sun::place(terrain).map_err(|e| {
+            wrong(format!(
+                "{e}; write the place behind the time, as in 2026-06-21T15:00Z@46.5,8.0, or use --sun"
+            ))
+        })?,
+    };
+    Sun::at(time, place).map_err(|e| wrong(e.to_string()))
+}
+
+/// The scenes of a picture or of a film's frames.
+pub struct Views {
+    first: Option<Scene>,
+    looks: Vec<Look>,
+    sun: Option<Sun>,
+    curvature: Option<f64>,
+    size: (u32, u32),
+}
+
+impl Views {
+    pub fn open(asked: &Asked, arguments: &Render, looks: Vec<Look>) -> Result<Views, Failure> {
+        let panorama = arguments.view.as_deref() == Some("panorama");
+        let [width, height] = arguments.size.unwrap_or(if panorama { [2048, 1024] } else { [1024, 1024] });
+        let size = (width, height);
+        let exaggerate = arguments.terrain.exaggerate;
+        let options = SceneOptions { view: looks[0].view, size, exaggerate, ..SceneOptions::default() };
+        let first = asked.scene(&arguments.terrain, &options)?;
+        let sun = match (&arguments.sun_at, &first) {
+            (Some(text), Some(scene)) => Some(sun_at(text, scene.terrain())?),
+            _ => None,
+        };
+        Ok(Views { first, looks, sun, curvature: arguments.curvature, size })
+    }
+
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// The scene of the only frame, with nothing else kept of the field.
+    pub fn only(self) -> Result<Option<Scene>, Failure> {
+        self.scene(0)
+    }
+
+    /// The scene of one frame; none if the program looks at none.
+    pub fn scene(&self, index: usize) -> Result<Option<Scene>, Failure> {
+        let Some(first) = &self.first else { return Ok(None) };
+        let look = self.looks[index];
+        let sun = look.sun.or(self.sun).unwrap_or_default();
+        let options = SceneOptions { view: look.view, sun, ..*first.options() };
+        let usage = |e: SceneError| Failure::Usage(e.to_string());
+        let scene = first.with_options(&options).map_err(usage)?;
+        let Some(k) = self.curvature else { return Ok(Some(scene)) };
+        let view = View::of(scene.camera()).ok_or_else(|| {
+            Failure::Usage(
+                "--curvature needs a camera that stands somewhere: not --ortho, not --view topdown".into(),
+            )
+        })?;
+        let eye = scene.camera().eye;
+        let curved = Arc::new(scene.terrain().curved([eye.x, eye.y], k));
+        let scene = Scene::new(curved, &SceneOptions { view, ..options }).map_err(usage)?;
+        Ok(Some(scene.with_layers(first.layers().clone()).with_micro(first.micro().clone())))
+    }
 }
 
 fn named(name: &str) -> Result<NamedView, Failure> {

@@ -23,6 +23,7 @@ pub mod scene;
 mod surface;
 #[cfg(test)]
 mod tests;
+pub(crate) mod transforms;
 mod view;
 mod walk;
 pub mod wgsl;

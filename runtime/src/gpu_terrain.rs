@@ -2,6 +2,10 @@
 //!
 //! A pyramid is made level by level by `shaders/terrain/pyramid.wgsl` and equals [`crate::terrain::Pyramid`] bit for bit.
 
+mod proof;
+
+pub use proof::first_inexact;
+
 use crate::gpu::Gpu;
 use crate::terrain::layout::SceneUniform;
 use crate::terrain::pyramid::{Level, Side, levels};

@@ -25,6 +25,7 @@ pub mod sun;
 mod surface;
 #[cfg(test)]
 mod tests;
+pub(crate) mod transforms;
 mod view;
 mod walk;
 pub mod wgsl;

@@ -6,5 +6,5 @@ fn occluded_SURFACE(
     if !ray.valid {
         return false;
     }
-    return terrain_walk_SURFACE(ray) >= 0.0;
+    return terrain_walk_SURFACE(ray) > TERRAIN_NEVER;
 }

@@ -1,10 +1,13 @@
-// The ray's way through a cell: local entry and exit, z above both, the length in s.
+// The ray's way through a cell: local entry, z over the south-west corner there, direction and length in s. The entry may
+// lie outside the cell by a rounding; the surface goes on there.
 struct TerrainWay {
-    u: vec2<f32>,
-    v: vec2<f32>,
-    z: vec2<f32>,
+    u: f32,
+    v: f32,
+    z: f32,
     d: vec3<f32>,
     length: f32,
 }
 
 const TERRAIN_MISS: f32 = -1.0;
+// Less than the t of any hit.
+const TERRAIN_NEVER: f32 = -3e38;

@@ -1,20 +1,17 @@
 // First s with z(ray) <= surface: a ray that comes in under the surface hits at once, so nothing slips between cells.
 fn terrain_patch_bilinear(corners: TerrainCorners, way: TerrainWay) -> f32 {
-    let f_in = way.z.x - terrain_height_bilinear(corners, way.u.x, way.v.x);
-    if f_in <= 0.0 {
-        return 0.0;
-    }
-    let f_out = way.z.y - terrain_height_bilinear(corners, way.u.y, way.v.y);
-
-    // f(s) = a s^2 + b s + f_in
     let east = corners.se - corners.sw;
     let north = corners.nw - corners.sw;
     let twist = (corners.ne - corners.nw) - east;
+    let f_in = way.z - (east * way.u + (north + twist * way.u) * way.v);
+    if f_in <= 0.0 {
+        return 0.0;
+    }
+
+    // f(s) = a s^2 + b s + f_in
     let a = -(twist * way.d.x * way.d.y);
-    let b = way.d.z
-        - east * way.d.x
-        - north * way.d.y
-        - twist * (way.u.x * way.d.y + way.v.x * way.d.x);
+    let b = way.d.z - east * way.d.x - north * way.d.y - twist * (way.u * way.d.y + way.v * way.d.x);
+    let f_out = f_in + way.length * (b + way.length * a);
     // Both ends above: only a dip below the surface in between can hit.
     if f_out > 0.0 && !(a > 0.0 && b < 0.0 && -b < 2.0 * a * way.length) {
         return TERRAIN_MISS;

@@ -16,7 +16,8 @@ struct TerrainScene {
     forward: vec3<f32>,
     far: f32,
     across: vec3<f32>,
-    padding0: u32,
+    // 0, which only the host knows.
+    zero: u32,
     down: vec3<f32>,
     padding1: u32,
     sun_dir: vec3<f32>,

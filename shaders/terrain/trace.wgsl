@@ -11,9 +11,9 @@ fn trace_SURFACE(
     if !ray.valid {
         return trace_SURFACE_result(false, 0.0);
     }
-    let s = terrain_walk_SURFACE(ray);
-    if s < 0.0 {
+    let t = terrain_walk_SURFACE(ray);
+    if t <= TERRAIN_NEVER {
         return trace_SURFACE_result(false, 0.0);
     }
-    return trace_SURFACE_result(true, clamp(ray.start + s, near, far));
+    return trace_SURFACE_result(true, clamp(t, near, far));
 }

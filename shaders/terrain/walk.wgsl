@@ -2,81 +2,124 @@
 //
 // The position is a node's integer index and nothing else; it changes by steps, descents and ascents, so no rounding
 // can lead to a node twice.
-fn terrain_walk_SURFACE(ray: TerrainRay) -> f32 {
+//
+// Three loops: bases of the ray, cells that may be hit, nodes over them. A SIMD machine without branches pays for what a
+// loop holds in every turn of it, so what is dear stands in the loop that turns least.
+fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
+    var ray = entered;
     let cells = vec2<i32>(terrain_scene.size) - vec2<i32>(1);
     // 1 where the ray leaves a node through its upper plane.
     let ahead = select(vec2<i32>(0), vec2<i32>(1), ray.d.xy >= vec2<f32>(0.0));
+    let onward = 2 * ahead - vec2<i32>(1);
     let top = terrain_scene.top;
     var level = top;
-    var row = terrain_scene.levels[level];
     var node = vec2<i32>(0);
-    var exit = terrain_planes(ray, ahead << vec2<u32>(level));
-    var s = 0.0;
-    var z = ray.p.z;
-
-    for (var fuel = terrain_scene.fuel; fuel > 0u; fuel--) {
-        let out = min(min(exit.x, exit.y), ray.end);
-        let z_out = ray.p.z + out * ray.d.z;
-        let lowest = min(z, z_out);
-        if level > 0u {
-            if lowest <= terrain_bound(row.x + u32(node.y) * row.y + u32(node.x)) {
-                // Descend to the half of each axis that the ray is in at s.
-                level -= 1u;
-                row = terrain_scene.levels[level];
-                let middle = (2 * node + vec2<i32>(1)) << vec2<u32>(level);
-                let distance = terrain_planes(ray, middle);
-                let crossed = vec2<f32>(s) >= distance;
-                let upper = (crossed == (ahead == vec2<i32>(1))) & (middle < cells);
-                node = 2 * node + select(vec2<i32>(0), vec2<i32>(1), upper);
-                exit = select(distance, exit, crossed);
-                continue;
+    var fuel = terrain_scene.fuel;
+    var gone = false;
+    var t = TERRAIN_NEVER;
+    loop {
+        var s = ray.begin;
+        var z = ray.low + s * ray.d.z;
+        var exit = terrain_planes(ray, (node + ahead) << vec2<u32>(level));
+        var out = min(min(exit.x, exit.y), ray.end);
+        var ended = false;
+        loop {
+            // Descend where the ray is under the bound, else step.
+            var row = terrain_scene.levels[level];
+            while level > 0u && !(gone || ended) {
+                let z_out = ray.low + out * ray.d.z;
+                if min(z, z_out) <= terrain_bound(row.x + u32(node.y) * row.y + u32(node.x)) {
+                    // Descend to the half of each axis that the ray is in at s.
+                    level -= 1u;
+                    row = terrain_scene.levels[level];
+                    let middle = (2 * node + vec2<i32>(1)) << vec2<u32>(level);
+                    let distance = terrain_planes(ray, middle);
+                    let crossed = vec2<f32>(s) >= distance;
+                    let upper = (crossed == (ahead == vec2<i32>(1))) & (middle < cells);
+                    node = 2 * node + select(vec2<i32>(0), vec2<i32>(1), upper);
+                    exit = select(distance, exit, crossed);
+                } else if out >= ray.end {
+                    ended = true;
+                } else {
+                    // Step to the neighbour behind the nearer plane; ascend when that leaves the parent.
+                    fuel -= 1u;
+                    s = out;
+                    z = z_out;
+                    let along_y = exit.y < exit.x;
+                    node += select(vec2<i32>(onward.x, 0), vec2<i32>(0, onward.y), along_y);
+                    gone = any(node < vec2<i32>(0)) || any((node << vec2<u32>(level)) >= cells) || fuel == 0u;
+                    if select((node.x & 1) != ahead.x, (node.y & 1) != ahead.y, along_y) && level < top {
+                        level += 1u;
+                        row = terrain_scene.levels[level];
+                        node = node >> vec2<u32>(1u);
+                    }
+                    exit = terrain_planes(ray, (node + ahead) << vec2<u32>(level));
+                }
+                out = min(min(exit.x, exit.y), ray.end);
             }
-        } else {
-            let hit = terrain_hit_SURFACE(ray, node, s, out, z, z_out);
-            if hit >= 0.0 {
-                return hit;
+            if gone || ended {
+                break;
             }
+            let z_out = ray.low + out * ray.d.z;
+            t = terrain_hit_SURFACE(ray, node, s, out, z, z_out);
+            if t > TERRAIN_NEVER || out >= ray.end {
+                break;
+            }
+            fuel -= 1u;
+            s = out;
+            z = z_out;
+            let along_y = exit.y < exit.x;
+            node += select(vec2<i32>(onward.x, 0), vec2<i32>(0, onward.y), along_y);
+            gone = any(node < vec2<i32>(0)) || any(node >= cells) || fuel == 0u;
+            if select((node.x & 1) != ahead.x, (node.y & 1) != ahead.y, along_y) && top > 0u {
+                level = 1u;
+                node = node >> vec2<u32>(1u);
+            }
+            exit = terrain_planes(ray, (node + ahead) << vec2<u32>(level));
+            out = min(min(exit.x, exit.y), ray.end);
         }
-        if out >= ray.end {
-            return TERRAIN_MISS;
+        // A base ends where the ray is still over the field.
+        if t > TERRAIN_NEVER || ray.last || gone {
+            break;
         }
-
-        // Step to the neighbour behind the nearer plane; ascend when that leaves the parent.
-        s = out;
-        z = z_out;
-        let along_y = exit.y < exit.x;
-        let onward = select(vec2<i32>(1, 0), vec2<i32>(0, 1), along_y) * (2 * ahead - vec2<i32>(1));
-        node += onward;
-        if any(node < vec2<i32>(0)) || any((node << vec2<u32>(level)) >= cells) {
-            return TERRAIN_MISS;
+        ray = terrain_onward(ray, out);
+        if !ray.valid {
+            break;
         }
-        let parity = select((node.x & 1) != ahead.x, (node.y & 1) != ahead.y, along_y);
-        if parity && level < top {
-            level += 1u;
-            row = terrain_scene.levels[level];
-            node = node >> vec2<u32>(1u);
-        }
-        exit = terrain_planes(ray, (node + ahead) << vec2<u32>(level));
     }
-    return TERRAIN_MISS;
+    return t;
 }
 
-// Intersection with one cell between two distances.
-fn terrain_hit_SURFACE(ray: TerrainRay, node: vec2<i32>, s: f32, out: f32, z: f32, z_out: f32) -> f32 {
+// The world's t where the ray meets the cell that it is in between two distances. The heights are the walk's, a little too
+// low; what decides is computed here from the base without loss.
+fn terrain_hit_SURFACE(ray: TerrainRay, node: vec2<i32>, entry: f32, out: f32, z: f32, z_out: f32) -> f32 {
     let corners = terrain_corners(u32(node.x), u32(node.y));
-    if min(z, z_out) > terrain_highest(corners) || terrain_lowest(corners) == TERRAIN_VOID {
-        return TERRAIN_MISS;
+    let highest = terrain_highest(corners);
+    if min(z, z_out) > highest || terrain_lowest(corners) == TERRAIN_VOID {
+        return TERRAIN_NEVER;
     }
-    let cell = vec2<f32>(node);
-    let entry = clamp((ray.p.xy + s * ray.d.xy) - cell, vec2<f32>(0.0), vec2<f32>(1.0));
-    let leave = clamp((ray.p.xy + out * ray.d.xy) - cell, vec2<f32>(0.0), vec2<f32>(1.0));
+    // From high above, begin where the cell's top is near.
+    let s = min(entry + max(z - highest, 0.0) * ray.fall * 0.999999, out);
+    let upper = terrain_high(s);
+    let lower = s - upper;
+    // s * d, and what rounding lost of it.
+    let p = bitcast<vec3<f32>>(bitcast<vec3<u32>>(s * ray.d) ^ vec3<u32>(terrain_scene.zero));
+    let dh = bitcast<vec3<f32>>(bitcast<vec3<u32>>(ray.d) & vec3<u32>(0xfffff000u));
+    let dl = ray.d - dh;
+    let lost = (((upper * dh - p) + upper * dl + lower * dh) + lower * dl) + s * ray.rest;
+    let place = (vec2<f32>(ray.cell - node) + p.xy) + (lost.xy + ray.p);
+    let above = terrain_sum(ray.z.x, -corners.sw);
     let way = TerrainWay(
-        vec2<f32>(entry.x, leave.x),
-        vec2<f32>(entry.y, leave.y),
-        vec2<f32>(z, z_out),
+        place.x,
+        place.y,
+        (above.x + p.z) + (above.y + (ray.z.y + lost.z)),
         ray.d,
         out - s,
     );
     let hit = terrain_patch_SURFACE(corners, way);
-    return select(TERRAIN_MISS, s + hit, hit >= 0.0);
+    if hit < 0.0 {
+        return TERRAIN_NEVER;
+    }
+    let t = terrain_sum(ray.start, s);
+    return t.x + (t.y + hit);
 }

@@ -161,11 +161,14 @@ impl<'a> Field<'a> {
     /// First t in [near, far] where the ray is over the field and on or under the surface.
     pub fn trace(&self, surface: Surface, ray: &WorldRay<f64>) -> Option<f64> {
         let WorldRay { origin, dir, near, far } = *ray;
+        // Across the field such a component takes longer than any ray is.
+        let level = |axis: usize| (dir[axis] / self.spacing[axis]).abs() <= 1e-18;
+        let dir = [if level(0) { 0.0 } else { dir[0] }, if level(1) { 0.0 } else { dir[1] }, dir[2]];
         if origin.iter().chain(&dir).any(|x| !x.is_finite()) || near.is_nan() || far.is_nan() {
             return None;
         }
         // Nothing lies above the highest sample; bounding an endless ray keeps the arithmetic finite.
-        let (mut from, mut to) = (near.max(-1e15), far.min(1e15));
+        let (mut from, mut to) = (near.max(-1e30), far.min(1e30));
         let grid = |axis: usize, t: f64| (origin[axis] + t * dir[axis]) / self.spacing[axis];
         for axis in 0..2 {
             let size = self.cells()[axis] * self.spacing[axis];

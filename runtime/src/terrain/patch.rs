@@ -1,4 +1,4 @@
-//! Exact intersection with one cell. `f(s) = z(ray) - surface` on the ray's way through the cell; a hit is the first
+//! Intersection with one cell. `f(s) = z(ray) - surface` on the ray's way through the cell; a hit is the first
 //! s with f <= 0, so a ray that comes in under the surface hits at once: nothing slips between neighbouring cells.
 //! Twin of `shaders/terrain/patch_*.wgsl`.
 
@@ -21,12 +21,13 @@ impl Corners {
     }
 }
 
-/// The ray's way through a cell: local entry (u, v) and exit, z above both, and the length in s.
+/// The ray's way through a cell: local entry, z over the south-west corner there, direction and length in s. The entry
+/// may lie outside the cell by a rounding; the surface goes on there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    pub u: [f32; 2],
-    pub v: [f32; 2],
-    pub z: [f32; 2],
+    pub u: f32,
+    pub v: f32,
+    pub z: f32,
     pub du: f32,
     pub dv: f32,
     pub dz: f32,
@@ -52,18 +53,18 @@ impl Patch for Bilinear {
     }
 
     fn intersect(corners: &Corners, way: &Way) -> f32 {
-        let f_in = way.z[0] - Bilinear::height(corners, way.u[0], way.v[0]);
-        if f_in <= 0.0 {
-            return 0.0;
-        }
-        let f_out = way.z[1] - Bilinear::height(corners, way.u[1], way.v[1]);
-
-        // f(s) = a s^2 + b s + f_in
         let east = corners.se - corners.sw;
         let north = corners.nw - corners.sw;
         let twist = (corners.ne - corners.nw) - east;
+        let f_in = way.z - (east * way.u + (north + twist * way.u) * way.v);
+        if f_in <= 0.0 {
+            return 0.0;
+        }
+
+        // f(s) = a s^2 + b s + f_in
         let a = -(twist * way.du * way.dv);
-        let b = way.dz - east * way.du - north * way.dv - twist * (way.u[0] * way.dv + way.v[0] * way.du);
+        let b = way.dz - east * way.du - north * way.dv - twist * (way.u * way.dv + way.v * way.du);
+        let f_out = f_in + way.length * (b + way.length * a);
         // Both ends above: only a dip below the surface in between can hit.
         if f_out > 0.0 && !(a > 0.0 && b < 0.0 && -b < 2.0 * a * way.length) {
             return MISS;
@@ -92,27 +93,29 @@ impl Patch for Triangulated {
     }
 
     fn intersect(corners: &Corners, way: &Way) -> f32 {
-        let f_in = way.z[0] - Triangulated::height(corners, way.u[0], way.v[0]);
+        let side = way.u - way.v;
+        let turn = way.du - way.dv;
+        // The surface is linear up to the diagonal and behind it.
+        let lower = side > 0.0 || (side == 0.0 && turn >= 0.0);
+        let south_east = [corners.se - corners.sw, corners.ne - corners.se];
+        let north_west = [corners.ne - corners.nw, corners.nw - corners.sw];
+        let [first, second] = if lower { [south_east, north_west] } else { [north_west, south_east] };
+        let f_in = way.z - (first[0] * way.u + first[1] * way.v);
         if f_in <= 0.0 {
             return 0.0;
         }
-        let f_out = way.z[1] - Triangulated::height(corners, way.u[1], way.v[1]);
-        let side_in = way.u[0] - way.v[0];
-        let side_out = way.u[1] - way.v[1];
-
-        // The surface is linear up to the diagonal and behind it.
-        if side_in * side_out < 0.0 {
-            let s = side_in / (side_in - side_out) * way.length;
-            let m = (way.u[0] + s * way.du).clamp(0.0, 1.0);
-            let f_mid = way.z[0] + s * way.dz - (corners.sw * (1.0 - m) + corners.ne * m);
+        let b = way.dz - first[0] * way.du - first[1] * way.dv;
+        if side * (side + turn * way.length) < 0.0 {
+            let s = (-side / turn).min(way.length);
+            let f_mid = f_in + s * b;
             if f_mid <= 0.0 {
                 return s * (f_in / (f_in - f_mid));
             }
-            if f_out <= 0.0 {
-                return s + (way.length - s) * (f_mid / (f_mid - f_out));
-            }
-            return MISS;
+            let rest = way.length - s;
+            let f_out = f_mid + rest * (way.dz - second[0] * way.du - second[1] * way.dv);
+            return if f_out <= 0.0 { s + rest * (f_mid / (f_mid - f_out)) } else { MISS };
         }
+        let f_out = f_in + way.length * b;
         if f_out > 0.0 { MISS } else { way.length * (f_in / (f_in - f_out)) }
     }
 }

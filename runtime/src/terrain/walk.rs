@@ -2,12 +2,13 @@
 //!
 //! The position is a node's integer index and nothing else; it changes by steps, descents and ascents. Distances are
 //! only ever distances to grid planes, by one expression ([`planes`]), which is monotone in the plane's index. Hence
-//! neighbouring nodes agree on every crossing to the bit, and no rounding can lead to a node twice.
+//! neighbouring nodes agree on every crossing to the bit between two bases, and no rounding can lead to a node twice.
 
 use super::field::{VOID_F32, VOID_I16};
 use super::layout::SceneUniform;
-use super::patch::{Corners, MISS, Patch, Way};
-use super::ray::{GridRay, WorldRay, enter};
+use super::patch::{Corners, Patch, Way};
+use super::ray::{GridRay, WorldRay, enter, onward, planes};
+use super::transforms::{high, sum};
 
 /// Samples and bounds as raw floats.
 pub(super) trait Heights {
@@ -76,78 +77,102 @@ pub(super) fn trace<H: Heights, P: Patch>(
     ray: &WorldRay<f32>,
 ) -> Option<f32> {
     let grid = enter(scene, ray)?;
-    let s = walk::<H, P>(scene, heights, &grid);
-    (s >= 0.0).then(|| (grid.start + s).clamp(ray.near, ray.far))
+    let t = walk::<H, P>(scene, heights, grid)?;
+    Some(t.clamp(ray.near, ray.far))
 }
 
-/// Distances to the planes `x = i` and `y = j`.
-#[inline]
-fn planes(ray: &GridRay, i: i32, j: i32) -> [f32; 2] {
-    [(i as f32 - ray.p[0]) * ray.inverse[0], (j as f32 - ray.p[1]) * ray.inverse[1]]
-}
-
-fn walk<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, ray: &GridRay) -> f32 {
+/// Three loops: bases of the ray, cells that may be hit, nodes over them. A SIMD machine without branches pays for what a
+/// loop holds in every turn of it, so what is dear stands in the loop that turns least.
+fn walk<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, ray: GridRay) -> Option<f32> {
+    let mut ray = ray;
     let cells = [scene.size[0] as i32 - 1, scene.size[1] as i32 - 1];
     // 1 where the ray leaves a node through its upper plane.
     let ahead = [i32::from(ray.d[0] >= 0.0), i32::from(ray.d[1] >= 0.0)];
+    let outside =
+        |node: [i32; 2], level: u32, axis: usize| node[axis] < 0 || (node[axis] << level) >= cells[axis];
+    let leave = |ray: &GridRay, node: [i32; 2], level: u32| {
+        planes(ray, (node[0] + ahead[0]) << level, (node[1] + ahead[1]) << level)
+    };
     let mut level = scene.top;
     let mut node = [0i32; 2];
-    let mut exit = planes(ray, ahead[0] << level, ahead[1] << level);
-    let mut s = 0.0f32;
-    let mut z = ray.p[2];
-
-    for _ in 0..scene.fuel {
-        let out = exit[0].min(exit[1]).min(ray.end);
-        let z_out = ray.p[2] + out * ray.d[2];
-        let lowest = z.min(z_out);
-        if level > 0 {
-            let [offset, width, _, _] = scene.levels[level as usize];
-            if lowest <= heights.bound((offset + node[1] as u32 * width + node[0] as u32) as usize) {
-                // Descend to the half of each axis that the ray is in at s.
-                level -= 1;
-                let middle = [(2 * node[0] + 1) << level, (2 * node[1] + 1) << level];
-                let distance = planes(ray, middle[0], middle[1]);
-                for axis in 0..2 {
-                    let crossed = s >= distance[axis];
-                    let upper = crossed == (ahead[axis] == 1) && middle[axis] < cells[axis];
-                    node[axis] = 2 * node[axis] + i32::from(upper);
-                    if !crossed {
-                        exit[axis] = distance[axis];
+    let mut fuel = scene.fuel;
+    let mut gone = false;
+    loop {
+        let mut s = ray.from;
+        let mut z = ray.low + s * ray.d[2];
+        let mut exit = leave(&ray, node, level);
+        let mut out = exit[0].min(exit[1]).min(ray.end);
+        let mut ended = false;
+        loop {
+            while level > 0 && !(gone || ended) {
+                let z_out = ray.low + out * ray.d[2];
+                let [offset, width, _, _] = scene.levels[level as usize];
+                let bound = heights.bound((offset + node[1] as u32 * width + node[0] as u32) as usize);
+                if z.min(z_out) <= bound {
+                    // Descend to the half of each axis that the ray is in at s.
+                    level -= 1;
+                    let middle = [(2 * node[0] + 1) << level, (2 * node[1] + 1) << level];
+                    let distance = planes(&ray, middle[0], middle[1]);
+                    for axis in 0..2 {
+                        let crossed = s >= distance[axis];
+                        let upper = crossed == (ahead[axis] == 1) && middle[axis] < cells[axis];
+                        node[axis] = 2 * node[axis] + i32::from(upper);
+                        if !crossed {
+                            exit[axis] = distance[axis];
+                        }
                     }
+                } else if out >= ray.end {
+                    ended = true;
+                } else {
+                    // Step to the neighbour behind the nearer plane; ascend when that leaves the parent.
+                    fuel -= 1;
+                    s = out;
+                    z = z_out;
+                    let axis = usize::from(exit[1] < exit[0]);
+                    node[axis] += 2 * ahead[axis] - 1;
+                    gone = outside(node, level, axis) || fuel == 0;
+                    if (node[axis] & 1) != ahead[axis] && level < scene.top {
+                        level += 1;
+                        node = [node[0] >> 1, node[1] >> 1];
+                    }
+                    exit = leave(&ray, node, level);
                 }
-                continue;
+                out = exit[0].min(exit[1]).min(ray.end);
             }
-        } else {
-            let hit = cell::<H, P>(scene, heights, ray, node, (s, out), (z, z_out));
-            if hit >= 0.0 {
-                return hit;
+            if gone || ended {
+                break;
             }
+            let z_out = ray.low + out * ray.d[2];
+            let found = cell::<H, P>(scene, heights, &ray, node, (s, out), (z, z_out));
+            if found.is_some() {
+                return found;
+            }
+            if out >= ray.end {
+                break;
+            }
+            fuel -= 1;
+            s = out;
+            z = z_out;
+            let axis = usize::from(exit[1] < exit[0]);
+            node[axis] += 2 * ahead[axis] - 1;
+            gone = outside(node, 0, axis) || fuel == 0;
+            if (node[axis] & 1) != ahead[axis] && scene.top > 0 {
+                level = 1;
+                node = [node[0] >> 1, node[1] >> 1];
+            }
+            exit = leave(&ray, node, level);
+            out = exit[0].min(exit[1]).min(ray.end);
         }
-        if out >= ray.end {
-            return MISS;
+        // A base ends where the ray is still over the field.
+        if ray.last || gone {
+            return None;
         }
-
-        // Step to the neighbour behind the nearer plane; ascend when that leaves the parent.
-        s = out;
-        z = z_out;
-        let axis = usize::from(exit[1] < exit[0]);
-        node[axis] += 2 * ahead[axis] - 1;
-        let outside = node[axis] < 0 || (node[axis] << level) >= cells[axis];
-        if outside {
-            return MISS;
-        }
-        if (node[axis] & 1) != ahead[axis] && level < scene.top {
-            level += 1;
-            node = [node[0] >> 1, node[1] >> 1];
-            exit = planes(ray, (node[0] + ahead[0]) << level, (node[1] + ahead[1]) << level);
-        } else {
-            exit[axis] = planes(ray, (node[0] + ahead[0]) << level, (node[1] + ahead[1]) << level)[axis];
-        }
+        ray = onward(scene, &ray, out)?;
     }
-    MISS
 }
 
-/// Intersection with the cell that the ray is in between two distances.
+/// The world's t where the ray meets the cell that it is in between two distances. The heights are the walk's, a little too
+/// low; what decides is computed here from the base without loss.
 #[inline]
 fn cell<H: Heights, P: Patch>(
     scene: &SceneUniform,
@@ -156,7 +181,7 @@ fn cell<H: Heights, P: Patch>(
     node: [i32; 2],
     (s, out): (f32, f32),
     (z, z_out): (f32, f32),
-) -> f32 {
+) -> Option<f32> {
     let width = scene.size[0] as usize;
     let at = node[1] as usize * width + node[0] as usize;
     let corners = Corners {
@@ -165,23 +190,38 @@ fn cell<H: Heights, P: Patch>(
         nw: heights.sample(at + width),
         ne: heights.sample(at + width + 1),
     };
-    if z.min(z_out) > corners.highest() || corners.lowest() == VOID_F32 {
-        return MISS;
+    let highest = corners.highest();
+    if z.min(z_out) > highest || corners.lowest() == VOID_F32 {
+        return None;
     }
-    let (x, y) = (node[0] as f32, node[1] as f32);
-    let local = |s: f32| {
-        (((ray.p[0] + s * ray.d[0]) - x).clamp(0.0, 1.0), ((ray.p[1] + s * ray.d[1]) - y).clamp(0.0, 1.0))
-    };
-    let (entry, leave) = (local(s), local(out));
-    let way = Way {
-        u: [entry.0, leave.0],
-        v: [entry.1, leave.1],
-        z: [z, z_out],
-        du: ray.d[0],
-        dv: ray.d[1],
-        dz: ray.d[2],
-        length: out - s,
-    };
-    let hit = P::intersect(&corners, &way);
-    if hit >= 0.0 { s + hit } else { MISS }
+    // From high above, begin where the cell's top is near.
+    let s = (s + (z - highest).max(0.0) * ray.fall * 0.999999).min(out);
+    let upper = high(s);
+    let lower = s - upper;
+    // s * d, and what rounding lost of it.
+    let way = [0, 1, 2].map(|axis| {
+        let d = ray.d[axis];
+        let p = s * d;
+        let (dh, dl) = (high(d), d - high(d));
+        [p, (((upper * dh - p) + upper * dl + lower * dh) + lower * dl) + s * ray.rest[axis]]
+    });
+    let place =
+        |axis: usize| ((ray.cell[axis] - node[axis]) as f32 + way[axis][0]) + (way[axis][1] + ray.p[axis]);
+    let above = sum(ray.z[0], -corners.sw);
+    let hit = P::intersect(
+        &corners,
+        &Way {
+            u: place(0),
+            v: place(1),
+            z: (above[0] + way[2][0]) + (above[1] + (ray.z[1] + way[2][1])),
+            du: ray.d[0],
+            dv: ray.d[1],
+            dz: ray.d[2],
+            length: out - s,
+        },
+    );
+    (hit >= 0.0).then(|| {
+        let t = sum(ray.start, s);
+        t[0] + (t[1] + hit)
+    })
 }

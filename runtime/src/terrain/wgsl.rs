@@ -55,15 +55,16 @@ const PIECES: &[Piece] = pieces! {
     "box" "box" ["scene"];
     "cell" "cell" ["corners"];
     "slope" "slope" ["scene"];
-    "ray" "ray" ["scene"];
-    "planes" "planes" ["ray"];
+    "transforms" "transforms" ["scene"];
+    "ray" "ray" ["transforms" "planes"];
+    "planes" "planes" [];
     "patch" "patch" ["corners"];
     "height_bilinear" "height_bilinear" ["corners"];
     "height_triangulated" "height_triangulated" ["corners"];
-    "patch_bilinear" "patch_bilinear" ["patch" "height_bilinear"];
-    "patch_triangulated" "patch_triangulated" ["patch" "height_triangulated"];
-    "walk_bilinear" "walk" ["planes" "bound" "patch_bilinear"];
-    "walk_triangulated" "walk" ["planes" "bound" "patch_triangulated"];
+    "patch_bilinear" "patch_bilinear" ["patch"];
+    "patch_triangulated" "patch_triangulated" ["patch"];
+    "walk_bilinear" "walk" ["ray" "bound" "patch_bilinear"];
+    "walk_triangulated" "walk" ["ray" "bound" "patch_triangulated"];
     "extent" "extent" ["scene"];
     "texel" "texel" ["scene"];
     "relief" "relief" ["scene"];
@@ -186,6 +187,13 @@ fn place(name: &str, format: Format, placed: &mut Vec<&'static str>, text: &mut 
     let surface = piece.name.rsplit('_').next().unwrap_or_default();
     text.push_str(&piece.text.replace("SURFACE", surface));
     text.push('\n');
+}
+
+/// The error-free transforms with what they need, for their proof on a device.
+pub(crate) fn transforms() -> String {
+    let mut text = String::new();
+    place("transforms", Format::F32, &mut Vec::new(), &mut text);
+    text
 }
 
 /// The stage that builds one level of a mipmap of bounds.

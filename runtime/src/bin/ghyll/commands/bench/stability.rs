@@ -272,11 +272,14 @@ mod tests {
     #[test]
     fn every_hazard_is_a_row() {
         let machines = Machines { cpu: true, gpu: None };
-        for hazard in HAZARDS.iter().filter(|h| h.from == 0 && h.share >= 0.1) {
+        for hazard in
+            HAZARDS.iter().filter(|h| h.from == 0 && h.share >= 0.1 && !h.name.starts_with("10000 km"))
+        {
             let site = Site::new((hazard.field)().unwrap()).unwrap();
             for surface in SURFACES {
                 let rows = traced(&site, *surface, &[hazard], &machines, 300).unwrap();
                 assert_eq!(rows.len(), 5, "{}", hazard.name);
+                assert_eq!(broken(&rows), 0, "{}: {rows:?}", hazard.name);
             }
         }
     }

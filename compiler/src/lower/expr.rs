@@ -92,6 +92,10 @@ impl<'m> Lower<'m> {
 
     fn scope(&mut self, lets: &'m [Let], value: &'m Expr, env: &mut Env<'m>) -> Value<'m> {
         for binding in lets {
+            // What is refused needs no values for its names, which may be long.
+            if self.too_large() {
+                break;
+            }
             let bound = self.expr(&binding.value, env);
             let ty = env.ty(&binding.value.ty);
             self.bind(&binding.pattern, &bound, &ty, env);

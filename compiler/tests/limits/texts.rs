@@ -1015,6 +1015,13 @@ pub fn types(bytes: usize) -> Vec<Text> {
             ),
         ),
         text(
+            "some thousand choices of 400 words",
+            format!(
+                "fn main(a: [f32; 400], c: [f32; 400], n: i32) -> f32 {{ {} a[n] }}",
+                numbered("let a = if n == # { a } else { c }; ", bytes / 5)
+            ),
+        ),
+        text(
             "many updates of an option of 400 words",
             format!(
                 "fn main(a: [f32; 400], n: i32) -> f32 {{ let o = Some(a); {} match o {{ Some(a) => a[n], None => 1.0 }} }}",

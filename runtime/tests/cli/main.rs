@@ -2,10 +2,13 @@
 
 mod bakes;
 mod build;
+mod explain;
+mod fmt;
 mod machine;
 mod manual;
 mod maps;
 mod options;
 mod params;
 mod rasters;
+mod repl;
 mod support;

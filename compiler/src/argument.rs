@@ -16,9 +16,18 @@ pub struct Argument {
     pub locals: Vec<Local>,
 }
 
+/// Parses one expression of any type, as [`parse_arguments`].
+pub fn parse_expression(module: &Module, text: &str) -> Result<Argument, Report> {
+    parse_one(module, text, None)
+}
+
 /// Parses one expression, such as `25`, `-3`, `vec3(1, 2, 3)`, `Some(3)` or the name of a function, that
 /// may use everything the module defines. Places in the result and in the report are places in `text`.
 pub fn parse_arguments(module: &Module, text: &str, expected: &Type) -> Result<Argument, Report> {
+    parse_one(module, text, Some(expected))
+}
+
+fn parse_one(module: &Module, text: &str, expected: Option<&Type>) -> Result<Argument, Report> {
     let mut sources = Sources::default();
     let id = sources.add(Source::new("<argument>", text));
     // Both trees are bounded; the stack is for the deepest.
@@ -33,7 +42,12 @@ pub fn parse_arguments(module: &Module, text: &str, expected: &Type) -> Result<A
     })
 }
 
-fn check(module: &Module, text: &str, expected: &Type, id: SourceId) -> Result<Argument, Vec<Diagnostic>> {
+fn check(
+    module: &Module,
+    text: &str,
+    expected: Option<&Type>,
+    id: SourceId,
+) -> Result<Argument, Vec<Diagnostic>> {
     let parsed = parse::expression(id, text);
     if !parsed.diagnostics.is_empty() {
         return Err(parsed.diagnostics);
@@ -46,7 +60,7 @@ fn check(module: &Module, text: &str, expected: &Type, id: SourceId) -> Result<A
     };
     let env = Env::finished(module, &names);
     let Body { expr, locals, diagnostics } =
-        env.expression(0, &parsed.tree, Some((expected, parsed.tree.span)));
+        env.expression(0, &parsed.tree, expected.map(|ty| (ty, parsed.tree.span)));
     match diagnostics.iter().any(|d| d.severity == Severity::Error) {
         true => Err(diagnostics),
         false => Ok(Argument { expr, locals }),

@@ -84,7 +84,7 @@ fn too_much(module: &Module, id: FunctionId, title: &str, help: &str) -> Diagnos
 }
 
 /// Functions that `from` may call, directly or not, whatever its arguments are.
-fn reached(module: &Module, settings: &Settings, from: FunctionId) -> BTreeSet<FunctionId> {
+pub(crate) fn reached(module: &Module, settings: &Settings, from: FunctionId) -> BTreeSet<FunctionId> {
     let mut found = BTreeSet::new();
     let (mut params, mut consts) = (BTreeSet::new(), BTreeSet::new());
     let mut pending: Vec<&Expr> = vec![&module.functions[from.0 as usize].body];

@@ -3,6 +3,7 @@
 //! text -> [`lexer`], [`parse`] -> [`ast`] -> names and types ([`front`]) -> [`typed`] tree -> [`lower`], `derive` -> [`core`]
 //! -> [`optimise`] -> [`split`] -> [`table`] -> [`wgsl`]. [`compile`] plays them in order.
 
+pub mod account;
 pub mod argument;
 pub mod ast;
 pub mod back;
@@ -18,6 +19,7 @@ pub mod entry;
 mod exhaustive;
 pub mod explain;
 mod foreign;
+pub mod format;
 pub mod front;
 mod infer;
 pub mod interpret;
@@ -31,6 +33,7 @@ pub mod parse;
 pub mod print;
 pub mod report;
 mod resolve;
+pub use infer::show::show_type;
 pub use resolve::similar;
 pub mod scalar;
 pub mod source;

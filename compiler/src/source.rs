@@ -64,6 +64,11 @@ impl Sources {
         SourceId(self.0.len() as u32 - 1)
     }
 
+    /// One text.
+    pub fn of(source: Source) -> Sources {
+        Sources(vec![source])
+    }
+
     /// Gives the first text another name, for what comes from elsewhere than a file.
     pub fn named(mut self, name: &str) -> Sources {
         if let Some(first) = self.0.first_mut() {

@@ -27,14 +27,27 @@ pub fn source(path: &Path) -> Result<Source, String> {
     Ok(Source::new(shown.to_string(), text))
 }
 
+/// The program on standard input.
+///
+/// # Errors
+/// Why there is none.
+pub fn input() -> Result<Source, String> {
+    let text =
+        read_from(std::io::stdin()).map_err(|reason| format!("cannot read standard input: {reason}"))?;
+    Ok(Source::new("<standard input>", text))
+}
+
 fn read(path: &Path) -> Result<String, String> {
     if path.is_dir() {
         return Err("it is a folder; name a .ghyll file in it".into());
     }
+    read_from(File::open(path).map_err(|e| e.to_string())?)
+}
+
+fn read_from(from: impl Read) -> Result<String, String> {
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|e| e.to_string())?;
     // Devices and pipes do not say how long they are.
-    file.take(LONGEST_PROGRAM + 1).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
+    from.take(LONGEST_PROGRAM + 1).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
     if bytes.len() as u64 > LONGEST_PROGRAM {
         return Err("it is longer than 64 MiB, so hardly a program".into());
     }

@@ -324,6 +324,17 @@ pub fn evaluate_argument(
     locals: Vec<typed::Local>,
     ty: &Type,
 ) -> Result<Value, RunError> {
+    evaluate_in(checked, value, locals, ty, (None, oracle::Precision::F64))
+}
+
+/// Value of a closed expression that may look at a scene.
+pub fn evaluate_in(
+    checked: &Checked,
+    value: typed::Expr,
+    locals: Vec<typed::Local>,
+    ty: &Type,
+    (world, precision): (Option<&dyn World>, oracle::Precision),
+) -> Result<Value, RunError> {
     let mut module = checked.module.clone();
     let span = value.span;
     module.functions.push(Function {
@@ -338,7 +349,7 @@ pub fn evaluate_argument(
         span,
     });
     let id = FunctionId(module.functions.len() as u32 - 1);
-    oracle::evaluate(&module, id, &[], &OracleOptions::default(), None)
+    oracle::evaluate(&module, id, &[], &OracleOptions { precision, ..OracleOptions::default() }, world)
 }
 
 /// Figures of the engine in the common form.

@@ -156,6 +156,7 @@ impl<'m> Lower<'m> {
         types: &[Type],
         args: Vec<Value<'m>>,
     ) -> Value<'m> {
+        self.reach.functions.insert(id);
         let definition = &self.module.functions[id.0 as usize];
         let mut env = Env { locals: BTreeMap::new(), types: Rc::new(types.to_vec()) };
         env.bind(&definition.params, args);

@@ -23,7 +23,10 @@ impl<'m> Lower<'m> {
             ExprKind::Literal(literal) => Value::constant(constant(*literal)),
             ExprKind::Local(id) => env.get(*id),
             ExprKind::Const(id) => self.constant(*id),
-            ExprKind::Param(id) => self.param(*id),
+            ExprKind::Param(id) => {
+                self.reach.params.insert(*id);
+                self.param(*id)
+            }
             ExprKind::Raster(id) => Value::function(Closure::Raster(*id)),
             ExprKind::Function(id, types) => {
                 Value::function(Closure::Function(*id, types.iter().map(|t| env.ty(t)).collect()))

@@ -35,7 +35,7 @@ use call::{Application, Callee, Frame};
 use rustc_hash::FxHashMap;
 pub use slot::Slot;
 use specialise::{Job, Key};
-use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 use std::rc::Rc;
 use value::Value;
 
@@ -81,6 +81,15 @@ pub fn lower(
     asked: Asked,
     settings: &Settings,
 ) -> Result<Program, Vec<Diagnostic>> {
+    lowered(module, entry, asked, settings).map(|(program, _)| program)
+}
+
+fn lowered(
+    module: &Module,
+    entry: FunctionId,
+    asked: Asked,
+    settings: &Settings,
+) -> Result<(Program, Reach), Vec<Diagnostic>> {
     let mut yields = FxHashMap::default();
     let mut spent = 0;
     let mut lower = loop {
@@ -103,7 +112,19 @@ pub fn lower(
     }
     let live = std::mem::take(&mut lower.live_names);
     let functions = lower.functions_made()?;
-    Ok(Program { functions, entry: 0, live })
+    Ok((Program { functions, entry: 0, live }, lower.reach))
+}
+
+/// What an entry leads to, as far as the values of parameters do not rule it out.
+#[derive(Clone, Debug, Default)]
+pub struct Reach {
+    pub functions: BTreeSet<FunctionId>,
+    pub params: BTreeSet<ParamId>,
+}
+
+/// What is met while `entry` is lowered; none where it cannot be.
+pub fn reached(module: &Module, entry: FunctionId, asked: Asked, settings: &Settings) -> Option<Reach> {
+    lowered(module, entry, asked, settings).ok().map(|(_, reach)| reach)
 }
 
 /// Live parameters of function type, and what they can hold.
@@ -155,6 +176,7 @@ struct Lower<'m> {
     endless: Vec<(String, Span)>,
     /// The last placeholder, and its type.
     stand_in: Option<(Type, Value<'m>)>,
+    reach: Reach,
 }
 
 /// The function under construction.
@@ -202,6 +224,7 @@ impl<'m> Lower<'m> {
             grown: false,
             endless: Vec::new(),
             stand_in: None,
+            reach: Reach::default(),
         }
     }
 

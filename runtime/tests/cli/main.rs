@@ -2,6 +2,8 @@
 
 mod bakes;
 mod build;
+mod explain;
+mod fmt;
 mod films;
 mod machine;
 mod manual;
@@ -9,4 +11,5 @@ mod maps;
 mod options;
 mod params;
 mod rasters;
+mod repl;
 mod support;

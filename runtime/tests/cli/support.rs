@@ -1,7 +1,8 @@
 //! Runs `ghyll` in a folder of its own.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output, Stdio};
 
 /// A folder for one test; its name must be the test's.
 pub struct Folder(PathBuf);
@@ -40,6 +41,21 @@ impl Folder {
         self.ghyll_in(&[], arguments)
     }
 
+    /// Runs `ghyll` with this on its standard input.
+    pub fn ghyll_fed(&self, arguments: &[&str], input: &str) -> Ended {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_ghyll"))
+            .args(arguments)
+            .current_dir(&self.0)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the binary runs");
+        // A program that ends early does not read all of it.
+        let _ = child.stdin.take().expect("it is piped").write_all(input.as_bytes());
+        ended(child.wait_with_output().expect("it ends"))
+    }
+
     /// Runs `ghyll` with these environment variables added.
     pub fn ghyll_in(&self, environment: &[(&str, &str)], arguments: &[&str]) -> Ended {
         let output = Command::new(env!("CARGO_BIN_EXE_ghyll"))
@@ -49,9 +65,13 @@ impl Folder {
             .envs(environment.iter().copied())
             .output()
             .expect("the binary runs");
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        Ended { status: output.status.code(), out: text(&output.stdout), err: text(&output.stderr) }
+        ended(output)
     }
+}
+
+fn ended(output: Output) -> Ended {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    Ended { status: output.status.code(), out: text(&output.stdout), err: text(&output.stderr) }
 }
 
 impl Ended {

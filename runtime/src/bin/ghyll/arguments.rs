@@ -38,6 +38,17 @@ pub enum Command {
     #[command(after_help = "Examples:\n  ghyll build lang-examples/fib.ghyll --emit table,stream -- 5\n  \
                             ghyll build lang-examples/fib.ghyll --emit svg -o fib.svg")]
     Build(Build),
+    /// Tell what is fused, known and skipped of a program, what is left and what it costs.
+    #[command(after_help = "Example:\n  ghyll explain lang-examples/fig9.ghyll --set detail=true")]
+    Explain(Explain),
+    /// Write programs in the usual layout.
+    #[command(
+        after_help = "Examples:\n  ghyll fmt my.ghyll\n  ghyll fmt --check *.ghyll\n  ghyll fmt - < my.ghyll"
+    )]
+    Fmt(Fmt),
+    /// Evaluate expressions and items as they are typed.
+    #[command(after_help = "Example:\n  echo 'sum(0..10, |i| i * i)' | ghyll repl")]
+    Repl(Repl),
     /// Print the stream s0, s1, .. round by round.
     #[command(after_help = "Example:\n  ghyll trace lang-examples/paper.ghyll")]
     Trace(Trace),
@@ -293,6 +304,43 @@ pub struct Build {
     /// Arguments of the entry, for `stream`.
     #[arg(last = true, value_name = "ARGS")]
     pub args: Vec<String>,
+}
+
+#[derive(Args)]
+pub struct Explain {
+    /// Program.
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub program: Program,
+    /// Elevation data over which the sizes are told; the built-in Mt Fuji if absent.
+    #[arg(long, value_name = "FILE")]
+    pub dem: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+#[derive(Args)]
+pub struct Fmt {
+    /// Programs; `-` is standard input, written to standard output.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Change nothing; exit status 1 if a file would change.
+    #[arg(long)]
+    pub check: bool,
+    /// What was done, or diagnostics, as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct Repl {
+    /// Program whose items are there from the start.
+    pub file: Option<PathBuf>,
+    /// Elevation data that terrain functions look at; the built-in Mt Fuji if absent.
+    #[arg(long, value_name = "FILE")]
+    pub dem: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 #[derive(Args)]

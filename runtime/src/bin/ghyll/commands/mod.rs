@@ -3,11 +3,15 @@
 pub mod bench;
 pub mod build;
 pub mod check;
+pub mod explain;
+pub mod fmt;
 mod film;
+pub mod fmt;
 pub mod info;
 mod machine;
 pub mod map;
 pub mod render;
+pub mod repl;
 pub mod run;
 mod scene;
 pub mod trace;

@@ -105,7 +105,33 @@ const ENDINGS: &[(&str, Reader)] = &[
 const GZIP: &[u8] = &[0x1f, 0x8b];
 
 pub(super) fn open(path: &Path, options: &DemOptions) -> Result<Terrain, DemError> {
-    read(&path.display().to_string(), &bytes_of(path)?, options)
+    let file = path.display().to_string();
+    known(&file, path)?;
+    read(&file, &bytes_of(path)?, options)
+}
+
+/// Looks at the first bytes and the name, so that a large file of another kind is refused before it is read.
+fn known(file: &str, path: &Path) -> Result<(), DemError> {
+    let mut head = Vec::new();
+    let unreadable = |source| DemError::Unreadable { file: file.to_owned(), source };
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Ok(());
+    }
+    std::fs::File::open(path).and_then(|f| f.take(16).read_to_end(&mut head)).map_err(unreadable)?;
+    let packed = head.starts_with(GZIP) || zip::is_zip(&head);
+    match head.is_empty() || packed || reader(file, &head).is_some() {
+        true => Ok(()),
+        false => Err(DemError::UnknownFormat { file: file.to_owned() }),
+    }
+}
+
+/// What reads a file, by its first bytes or its name.
+fn reader(file: &str, head: &[u8]) -> Option<Reader> {
+    let ending =
+        Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let by_magic = MAGIC.iter().find(|(magic, _)| head.starts_with(magic)).map(|(_, read)| read);
+    let by_name = || ENDINGS.iter().find(|(e, _)| *e == ending).map(|(_, read)| read);
+    by_magic.or_else(by_name).copied()
 }
 
 /// A file's content, unless it is too large to be one of ours.
@@ -144,11 +170,7 @@ fn read_plain(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain,
     if bytes.is_empty() {
         return Err(DemError::truncated(file, "it is empty"));
     }
-    let ending =
-        Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let by_magic = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, read)| read);
-    let by_name = || ENDINGS.iter().find(|(e, _)| *e == ending).map(|(_, read)| read);
-    match by_magic.or_else(by_name) {
+    match reader(file, bytes) {
         Some(read) => applied(file, read(file, bytes, options)?, options),
         None => Err(DemError::UnknownFormat { file: file.to_owned() }),
     }

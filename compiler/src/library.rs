@@ -7,7 +7,7 @@ pub const PRELUDE: &str = "prelude";
 pub const MODULES: &[(&str, &str)] = &[
     (PRELUDE, include_str!("../std/prelude.ghyll")),
     ("terrain", include_str!("../std/terrain.ghyll")),
-    ("shade", include_str!("../std/shade.ghyll")),
+    ("shade", concat!(include_str!("../std/shade.ghyll"), "\n", include_str!("../std/colormaps.ghyll"))),
 ];
 
 pub fn text(name: &str) -> Option<&'static str> {

@@ -240,10 +240,9 @@ fn found(out: &mut [u32], distance: Option<f32>) {
 }
 
 /// Cosine and sine of a part of a full turn.
-#[allow(clippy::excessive_precision)]
 fn circle(turn: f32) -> [f32; 2] {
     let quarter = (4.0 * turn).round_ties_even();
-    let x = (4.0 * turn - quarter) * 1.5707963;
+    let x = (4.0 * turn - quarter) * std::f32::consts::FRAC_PI_2;
     let q = x * x;
     let sine = x + x * q * (-0.16666667 + q * (0.008333333 + q * (-0.0001984127 + q * 2.7557319e-6)));
     let cosine = 1.0 + q * (-0.5 + q * (0.041666668 + q * (-0.0013888889 + q * 2.4801588e-5)));

@@ -3,8 +3,8 @@
 mod bakes;
 mod build;
 mod explain;
-mod fmt;
 mod films;
+mod fmt;
 mod machine;
 mod manual;
 mod maps;

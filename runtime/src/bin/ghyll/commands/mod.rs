@@ -4,7 +4,6 @@ pub mod bench;
 pub mod build;
 pub mod check;
 pub mod explain;
-pub mod fmt;
 mod film;
 pub mod fmt;
 pub mod info;

@@ -15,6 +15,8 @@
 mod interval;
 mod rules;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 mod transform;
 
 use std::collections::HashMap;

@@ -164,6 +164,8 @@ fn terrain_placed(old: TerrainRay) -> TerrainRay {
     ray.end = min(ray.end, tile);
     let beyond = vec2<f32>(ray.cell - rim) + ray.p > vec2<f32>(0.0);
     ray.valid = ray.begin <= ray.end && !any(!moves & beyond);
+    // Without motion the far rim belongs to the last cell.
+    ray.p = select(min(ray.p, vec2<f32>(0.9999999)), ray.p, moves);
     return ray;
 }
 

@@ -23,7 +23,11 @@ fn terrain_product(a: f32, b: f32) -> vec2<f32> {
     let bh = terrain_high(b);
     let al = a - ah;
     let bl = b - bh;
-    return vec2<f32>(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl);
+    // Parts that share a factor may not be drawn together.
+    let ll = terrain_rounded(al * bl);
+    let hl = terrain_rounded(ah * bl);
+    let lh = terrain_rounded(al * bh);
+    return vec2<f32>(p, ((terrain_rounded(ah * bh) - p) + hl + lh) + ll);
 }
 
 // The quotient x / unit and its error, by the unit's rounded inverse.

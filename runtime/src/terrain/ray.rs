@@ -9,6 +9,8 @@ use super::transforms::{product, quotient, sum};
 pub(super) const TINY: f32 = 1e-18;
 /// Stands for the inverse of zero; finite, so that its product with zero is not NaN.
 pub(super) const HUGE: f32 = 1e30;
+/// The last place in a cell that is not the next one's.
+const INSIDE: f32 = 0.9999999;
 /// Cells after which a ray is re-based.
 const TILE: f32 = 256.0;
 
@@ -165,6 +167,9 @@ fn placed(scene: &SceneUniform, ray: GridRay) -> Option<GridRay> {
             end = end.min(south_west[axis].max(north_east[axis]));
         } else if (ray.cell[axis] - rim[axis]) as f32 + ray.p[axis] > 0.0 {
             return None;
+        } else {
+            // Without motion the far rim belongs to the last cell.
+            ray.p[axis] = ray.p[axis].min(INSIDE);
         }
     }
     let tile = ray.from + TILE * ray.inverse[0].abs().min(ray.inverse[1].abs());

@@ -33,7 +33,7 @@ pub use surfaces::Known;
 /// What is asked of a function over a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ask {
-    /// `(.., x0, y0, x1, y1) -> hi`: no value lies above.
+    /// `(.., x0, y0, x1, y1) -> hi`: no value lies above. Boxes lie within the field, whose coordinates are not negative.
     Above,
     /// `(.., x0, y0, x1, y1, dx, dy) -> (smooth, lo, hi)`: the slope along a direction, and whether it counts.
     Along,

@@ -121,10 +121,20 @@ fn function(random: &mut Random) -> Function {
     b.function
 }
 
+/// The same function, which yields all its other values too.
+fn watched(base: &Function) -> Function {
+    let mut watched = Function { name: "watched".into(), ..base.clone() };
+    let made = base.body.stmts.iter().flat_map(|s| &s.dst).filter(|v| base.vars[v.0 as usize] == F32);
+    watched.body.results.extend(made.map(|v| Atom::Var(*v)));
+    watched.results = vec![F32; watched.body.results.len()];
+    watched
+}
+
 /// Values that were compared with their bound, and the first that lies above it.
 fn check(seed: u64, rules: &'static Rules) -> (usize, Option<String>) {
     let mut random = Random::new(seed);
     let base = function(&mut random);
+    let watched = watched(&base);
     let mut functions = vec![Some(base), None];
     let request = Request {
         hole: FnId(1),
@@ -135,28 +145,32 @@ fn check(seed: u64, rules: &'static Rules) -> (usize, Option<String>) {
     if fill_by(rules, &mut functions, &[request], &HashMap::new(), &HashMap::new()).is_err() {
         return (0, None);
     }
-    let functions: Vec<Function> = functions.into_iter().flatten().collect();
-    let [value, bound] =
-        [0, 1].map(|entry| Program { functions: functions.clone(), entry, live: Vec::new() });
+    let functions: Vec<Function> = functions.into_iter().flatten().chain([watched]).collect();
+    let [bound, watched] =
+        [1, 2].map(|entry| Program { functions: functions.clone(), entry, live: Vec::new() });
     verify::program(&bound).expect("bounds are core");
     let call = |program: &Program, args: &[f32]| {
         let args: Vec<Const> = args.iter().map(|x| Const::f32(*x)).collect();
-        run(program, &args, &NoHost, 100_000).map(|words| f32::from_bits(words[0].word()))
+        let floats = |words: Vec<Const>| words.iter().map(|w| f32::from_bits(w.word())).collect::<Vec<_>>();
+        run(program, &args, &NoHost, 100_000).map(floats)
     };
     let mut compared = 0;
     for _ in 0..12 {
         let mut between = |lo: f32, hi: f32| lo + (hi - lo) * random.below(4097) as f32 / 4096.0;
-        let (x, y) = (between(-8.0, 8.0), between(-8.0, 8.0));
+        // Places are within the field, which has its origin at a corner.
+        let (x, y) = (between(0.0, 16.0), between(0.0, 16.0));
         let width = between(-14.0, 2.0).exp2();
         let (x1, y1) = (x + width, y + width * between(0.0, 2.0));
-        let Ok(hi) = call(&bound, &[x, y, x1, y1]) else { continue };
+        let Ok(most) = call(&bound, &[x, y, x1, y1]) else { continue };
+        let hi = most[0];
         for _ in 0..12 {
             let at = [between(x, x1).clamp(x, x1), between(y, y1).clamp(y, y1)];
-            let Ok(z) = call(&value, &at) else { continue };
-            // An infinite value has no bound; NaN is no height.
-            if z.is_finite() {
+            let Ok(values) = call(&watched, &at) else { continue };
+            let z = values[0];
+            // An infinite value has no bound, nor has what a NaN decides. A bound that is NaN holds no piece of a ray clear.
+            if z.is_finite() && !values.iter().any(|v| v.is_nan()) {
                 compared += 1;
-                if z > hi || hi.is_nan() {
+                if z > hi {
                     let place = format!("seed {seed}: f{at:?} = {z} above {hi} over {x} {y} {x1} {y1}");
                     return (compared, Some(format!("{place}\n{}", crate::core::print::program(&bound))));
                 }

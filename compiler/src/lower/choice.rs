@@ -18,8 +18,10 @@ use std::rc::Rc;
 
 /// Candidates whose joining counts as the work of a statement.
 const CANDIDATES_OF_A_STATEMENT: usize = 16;
-/// Words that two ways may yield at the cost of one statement; each more may become one (a `select`).
+/// Words that two ways may yield at the cost of one statement.
 const WORDS_OF_A_CHOICE: usize = 32;
+/// Statements that each further word counts as: it may become a `select` of its own, which every pass keeps track of.
+const COST_OF_A_WORD: usize = 4;
 
 impl<'m> Lower<'m> {
     /// The outline that both values can take on.
@@ -242,7 +244,7 @@ impl<'m> Lower<'m> {
         };
         let (yes, no) = (end(yes), end(no));
         let scalars: Vec<Scalar> = yes.results.iter().map(|a| self.scalar_of(*a)).collect();
-        self.spend(scalars.len().saturating_sub(WORDS_OF_A_CHOICE));
+        self.spend(COST_OF_A_WORD * scalars.len().saturating_sub(WORDS_OF_A_CHOICE));
         let words = self.emit(Op::If(cond, yes, no), &scalars);
         self.rebuild(&like, ty, &mut words.into_iter())
     }

@@ -55,7 +55,7 @@ fn evaluate(gpu: &Gpu, pairs: &[[f32; 2]]) -> Result<Vec<[f32; 4]>, String> {
     let record = size_of::<SceneUniform>() as u64;
     let values = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("proof"),
-        entries: &[entry(0, storage(true), 4), entry(1, storage(false), 4)],
+        entries: &[entry(0, storage(true), 8), entry(1, storage(false), 16)],
     });
     let scene = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("proof"),
@@ -103,6 +103,9 @@ fn evaluate(gpu: &Gpu, pairs: &[[f32; 2]]) -> Result<Vec<[f32; 4]>, String> {
     let slice = readback.slice(..);
     slice.map_async(wgpu::MapMode::Read, |_| {});
     device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| e.to_string())?;
+    if let Some(why) = gpu.lost() {
+        return Err(why);
+    }
     let view = slice.get_mapped_range().map_err(|e| e.to_string())?;
     Ok(bytemuck::pod_collect_to_vec(&view))
 }
@@ -119,10 +122,16 @@ mod tests {
             Err(GpuError::NoAdapter) => return eprintln!("no adapter: nothing was checked on a device"),
             Err(error) => panic!("{error}"),
         };
+        let pairs = pairs();
+        for ((pair, expected), found) in
+            pairs.iter().zip(expected(&pairs)).zip(evaluate(&gpu, &pairs).unwrap())
+        {
+            assert_eq!(found, expected, "{pair:?}");
+        }
         assert_eq!(first_inexact(&gpu), Ok(None));
         // A planted difference: other pairs have other results.
-        let mut others = pairs();
+        let mut others = pairs.clone();
         others[5][1] += 1.0;
-        assert_ne!(expected(&others), evaluate(&gpu, &pairs()).unwrap());
+        assert_ne!(expected(&others), evaluate(&gpu, &pairs).unwrap());
     }
 }

@@ -18,6 +18,8 @@ use std::fmt::Write;
 /// Decisions still to be taken.
 pub struct Genes<'a> {
     genes: &'a [u32],
+    /// Genes that were taken so far.
+    taken: usize,
 }
 
 impl Genes<'_> {
@@ -25,6 +27,7 @@ impl Genes<'_> {
     fn pick(&mut self, n: usize) -> usize {
         let Some((first, rest)) = self.genes.split_first() else { return 0 };
         self.genes = rest;
+        self.taken += 1;
         *first as usize % n
     }
 
@@ -92,21 +95,51 @@ const COST_LIMIT: f64 = 4000.0;
 /// Recursion is started with a counter below this.
 const COUNTER_LIMIT: usize = 5;
 
+/// The genes `from..to` of one expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    pub from: usize,
+    pub to: usize,
+    ty: Type,
+}
+
+impl Span {
+    /// Whether genes of the one, in the place of the other, can make a value of its type.
+    pub fn suits(&self, other: &Span) -> bool {
+        self.ty == other.ty
+    }
+
+    /// The expression lies within the other one.
+    pub fn is_within(&self, other: &Span) -> bool {
+        other.from <= self.from && self.to <= other.to && self.to - self.from < other.to - other.from
+    }
+}
+
 /// The text of one program; all its names end in `_ID`, so that several fit into one file. Its entry is `entry_ID`.
 pub fn program(id: usize, genes: &[u32]) -> String {
+    generate(id, genes).text
+}
+
+/// The expressions of the program that the genes stand for.
+pub fn spans(genes: &[u32]) -> Vec<Span> {
+    generate(0, genes).spans
+}
+
+fn generate(id: usize, genes: &[u32]) -> Generator<'_> {
     let mut generator = Generator {
         id,
-        genes: Genes { genes },
+        genes: Genes { genes, taken: 0 },
         types: Types::default(),
         functions: Vec::new(),
         text: String::new(),
+        spans: Vec::new(),
     };
     generator.types();
     for index in 0..1 + generator.genes.pick(4) {
         generator.function(index);
     }
     generator.entry();
-    generator.text
+    generator
 }
 
 /// The shape of every entry, and of [`batch`]'s `main` behind its first parameter.
@@ -140,6 +173,7 @@ struct Generator<'a> {
     types: Types,
     functions: Vec<Function>,
     text: String,
+    spans: Vec<Span>,
 }
 
 impl Generator<'_> {

@@ -1,6 +1,6 @@
 //! Expressions of random programs: every answer 0 is a leaf, so that missing genes end the tree.
 
-use super::{COST_LIMIT, COUNTER_LIMIT, Generator, Type};
+use super::{COST_LIMIT, COUNTER_LIMIT, Generator, Span, Type};
 
 /// What an expression may use.
 pub(super) struct Scope {
@@ -73,6 +73,13 @@ impl Scope {
 impl Generator<'_> {
     /// An expression of the type that needs no parentheses around it as an argument.
     pub(super) fn expression(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> String {
+        let from = self.genes.taken;
+        let text = self.node(ty, depth, scope);
+        self.spans.push(Span { from, to: self.genes.taken, ty: ty.clone() });
+        text
+    }
+
+    fn node(&mut self, ty: &Type, depth: usize, scope: &mut Scope) -> String {
         scope.cost += scope.weight;
         if depth == 0 || !scope.affords(10.0) {
             return self.leaf(ty, scope);

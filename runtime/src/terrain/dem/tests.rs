@@ -371,22 +371,22 @@ fn raw_numbers_say_what_they_are_by_ending_or_length() {
 
 #[test]
 fn real_files_have_their_known_figures() {
-    for (name, width, min, max, voids) in [
-        ("fuji_srtm1.tif", 1712, -12.0, 3759.0, 80331),
-        ("N46E008.tif", 1201, 187.0, 4173.0, 103743),
-        ("S33W071.tif", 1201, 250.0, 6929.0, 0),
-        ("N43E007.hgt", 1201, -16.0, 2060.0, 4),
-        ("S46W066.hgt.gz", 3601, -3.0, 146.0, 0),
-        ("rockies_srtmgl3.asc", 240, 1943.0, 3286.0, 0),
-        ("sthelens_usgs.dem", 327, 682.0, 2543.0, 4151),
-        ("derived/N46E008.hgt.gz", 1201, 187.0, 4173.0, 103743),
-        ("derived/everest_150.asc", 150, 5000.0, 8840.0, 0),
+    for (name, width, height, min, max, voids) in [
+        ("fuji_srtm1.tif", 1712, 1425, -12.0, 3759.0, 80331),
+        ("N46E008.tif", 1201, 1201, 187.0, 4173.0, 103743),
+        ("S33W071.tif", 1201, 1201, 250.0, 6929.0, 0),
+        ("N43E007.hgt", 1201, 1201, -16.0, 2060.0, 4),
+        ("S46W066.hgt.gz", 3601, 3601, -3.0, 146.0, 0),
+        ("rockies_srtmgl3.asc", 240, 144, 1943.0, 3286.0, 0),
+        ("sthelens_usgs.dem", 327, 468, 682.0, 2543.0, 4151),
+        ("derived/N46E008.hgt.gz", 1201, 1201, 187.0, 4173.0, 103743),
+        ("derived/everest_150.asc", 150, 150, 5000.0, 8840.0, 0),
     ] {
         let Some(path) = extra(name) else { continue };
         let terrain = Terrain::open(path, &DemOptions::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(
-            (terrain.width, terrain.min, terrain.max, terrain.voids),
-            (width, min, max, voids),
+            (terrain.width, terrain.height, terrain.min, terrain.max, terrain.voids),
+            (width, height, min, max, voids),
             "{name}"
         );
     }

@@ -68,9 +68,9 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
     if !(dx > 0.0 && dy > 0.0 && dz > 0.0) {
         return Err(DemError::lying(file, format!("its resolution is {dx} x {dy} x {dz}")));
     }
-    // Samples lie at multiples of the resolution.
-    let south = (header.hull[1] / dy).ceil() * dy;
-    let rows = ((header.hull[3] / dy).floor() - south / dy).max(0.0) as u64 + 1;
+    // Samples lie at multiples of the resolution; the grid holds the whole quadrangle, as GDAL's does.
+    let south = (header.hull[1] / dy).floor() * dy;
+    let rows = ((header.hull[3] / dy).ceil() - south / dy).max(0.0) as u64 + 1;
     let (width, height) = (header.columns as u64, rows);
     check_claim(file, (width, height), 6, bytes.len() as u64, true)?;
 
@@ -195,6 +195,19 @@ mod tests {
         assert_eq!((0..3).map(|r| terrain.sample(1, r)).collect::<Vec<_>>(), [None, Some(108.0), None]);
         assert_eq!(terrain.spacing, [30.0, 30.0]);
         assert_eq!(terrain.crs.unwrap().to_string(), "EPSG:26710");
+    }
+
+    /// As where a quadrangle is skew in UTM: its corners lie between samples.
+    #[test]
+    fn a_quadrangle_between_samples_is_held_whole() {
+        let mut bytes = small();
+        for i in [0, 3] {
+            bytes[546 + 48 * i + 24..546 + 48 * i + 44].copy_from_slice(format!("{:20.3}", -3.0).as_bytes());
+        }
+        let terrain = read("a.dem", &bytes, &DemOptions::default()).unwrap();
+        assert_eq!((terrain.height, terrain.voids), (4, 4));
+        assert_eq!(terrain.sample(0, 1), Some(105.0));
+        assert_eq!(terrain.sample(0, 0), None);
     }
 
     #[test]

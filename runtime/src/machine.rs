@@ -20,7 +20,7 @@ use ghyll_compiler::front::Checked;
 use ghyll_compiler::layout;
 use ghyll_compiler::stream;
 use ghyll_compiler::table::Token;
-use ghyll_compiler::typed::{self, Function, FunctionId, Type};
+use ghyll_compiler::typed::{self, FunctionId, Type};
 use std::time::{Duration, Instant};
 
 /// Where programs are evaluated.
@@ -335,21 +335,8 @@ pub fn evaluate_in(
     ty: &Type,
     (world, precision): (Option<&dyn World>, oracle::Precision),
 ) -> Result<Value, RunError> {
-    let mut module = checked.module.clone();
-    let span = value.span;
-    module.functions.push(Function {
-        name: "argument".into(),
-        generics: Vec::new(),
-        params: Vec::new(),
-        result: ty.clone(),
-        locals,
-        body: value,
-        attributes: Default::default(),
-        library: false,
-        span,
-    });
-    let id = FunctionId(module.functions.len() as u32 - 1);
-    oracle::evaluate(&module, id, &[], &OracleOptions { precision, ..OracleOptions::default() }, world)
+    let options = OracleOptions { precision, ..OracleOptions::default() };
+    oracle::expression(&checked.module, (&value, locals.len(), ty), &options, world)
 }
 
 /// Figures of the engine in the common form.

@@ -61,8 +61,9 @@ pub fn search(
         let lists: Vec<Vec<u32>> = (0..BATCH).map(draw).collect();
         let turn = file / GPU_TURN % on_gpu.len().max(1);
         let gpu = on_gpu.get(turn).filter(|_| on_gpu_too);
+        let asked = Asked::new(backend, &lists);
         for mode in others.iter().chain(gpu) {
-            if let Some((index, told)) = compare(backend, *mode, &lists) {
+            if let Some((index, told)) = asked.compare(backend, *mode) {
                 let guilty = guilty(backend, *mode, &lists, index);
                 return Err(Box::new(shrink(backend, *mode, lists[guilty].clone(), told)));
             }
@@ -81,26 +82,44 @@ fn generator(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::ChaCha, &bytes)
 }
 
-/// Index of the first program on which the mode and the oracle disagree, and what they say.
-fn compare(backend: &dyn Backend, mode: Mode, lists: &[Vec<u32>]) -> Option<(usize, String)> {
-    let program = together(lists);
-    let calls: Vec<Call> = (0..lists.len())
-        .flat_map(|k| INPUTS.iter().map(move |(a, x)| (k, a, x)))
-        .map(|(k, a, x)| Call {
-            entry: "main".into(),
-            args: vec![k.to_string(), a.to_string(), x.to_string()],
-        })
-        .collect();
-    let settings = Settings::default();
-    let expected = backend.run(&program, &settings, Mode::OracleSingle, &calls);
-    let found = backend.run(&program, &settings, mode, &calls);
-    for (call, (expected, found)) in calls.iter().zip(expected.iter().zip(&found)) {
-        if !same(expected, found) {
-            let index = call.args[0].parse().unwrap_or(0);
-            return Some((index, told(mode, call, expected, found)));
-        }
+/// Programs in one file, and what the oracle says of them.
+struct Asked {
+    program: Program,
+    calls: Vec<Call>,
+    expected: Vec<Result<Answer, Failure>>,
+}
+
+impl Asked {
+    fn new(backend: &dyn Backend, lists: &[Vec<u32>]) -> Asked {
+        let program = together(lists);
+        let calls: Vec<Call> = (0..lists.len())
+            .flat_map(|k| INPUTS.iter().map(move |(a, x)| (k, a, x)))
+            .map(|(k, a, x)| Call {
+                entry: "main".into(),
+                args: vec![k.to_string(), a.to_string(), x.to_string()],
+            })
+            .collect();
+        let expected = backend.run(&program, &Settings::default(), Mode::OracleSingle, &calls);
+        Asked { program, calls, expected }
     }
-    (expected.len() != calls.len() || found.len() != calls.len()).then(|| (0, "an answer is missing".into()))
+
+    /// Index of the first program on which the mode and the oracle disagree, and what they say.
+    fn compare(&self, backend: &dyn Backend, mode: Mode) -> Option<(usize, String)> {
+        let Asked { program, calls, expected } = self;
+        let found = backend.run(program, &Settings::default(), mode, calls);
+        for (call, (expected, found)) in calls.iter().zip(expected.iter().zip(&found)) {
+            if !same(expected, found) {
+                let index = call.args[0].parse().unwrap_or(0);
+                return Some((index, told(mode, call, expected, found)));
+            }
+        }
+        (expected.len() != calls.len() || found.len() != calls.len())
+            .then(|| (0, "an answer is missing".into()))
+    }
+}
+
+fn compare(backend: &dyn Backend, mode: Mode, lists: &[Vec<u32>]) -> Option<(usize, String)> {
+    Asked::new(backend, lists).compare(backend, mode)
 }
 
 /// The program that disagrees on its own too: the one that was told of, or, where the whole file was refused, the

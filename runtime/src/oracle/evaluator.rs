@@ -195,7 +195,7 @@ impl<'m> Evaluator<'m> {
     }
 
     /// The value of an expression outside of functions.
-    fn item(&mut self, name: &'m str, expr: &'m Expr, locals: usize) -> Result<Datum<'m>, RunError> {
+    pub fn item(&mut self, name: &'m str, expr: &'m Expr, locals: usize) -> Result<Datum<'m>, RunError> {
         self.check_depth()?;
         let user = std::mem::replace(&mut self.function, name);
         self.tick()?;

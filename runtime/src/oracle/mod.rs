@@ -23,7 +23,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ghyll_compiler::lower::Setting;
-use ghyll_compiler::typed::{FunctionId, Module, ParamId};
+use ghyll_compiler::typed::{Expr, FunctionId, Module, ParamId, Type};
 use rayon::prelude::*;
 
 pub use self::float::Precision;
@@ -83,6 +83,19 @@ pub fn evaluate(
     world: Option<&dyn World>,
 ) -> Result<Value, RunError> {
     on_large_stack(module, options, world, |oracle| entry_value(oracle, entry, args))
+}
+
+/// Value of a closed expression of the type `ty` that the module's names appear in; `locals` is how many it binds.
+pub fn expression<'m>(
+    module: &'m Module,
+    (value, locals, ty): (&'m Expr, usize, &'m Type),
+    options: &'m OracleOptions,
+    world: Option<&'m dyn World>,
+) -> Result<Value, RunError> {
+    on_large_stack(module, options, world, |oracle| {
+        let value = oracle.item("argument", value, locals)?;
+        convert::to_value(&value, ty, module)
+    })
 }
 
 /// Value of a parameter: what the options set, else its default.

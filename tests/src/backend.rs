@@ -22,6 +22,7 @@ use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{Raster, Scene, SceneOptions, Terrain, View};
 use ghyll_runtime::value::Value;
 use std::collections::{BTreeSet, VecDeque};
+use std::panic::catch_unwind;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -92,7 +93,11 @@ impl Ghyll {
         if let Some(ready) = kept(&lock()) {
             return ready;
         }
-        let ready = Ready::compile(&wanted).map(|mut ready| {
+        // What looks for programs that break the compiler goes on to shrink them.
+        let compile = || Ready::compile(&wanted);
+        let compiled =
+            catch_unwind(compile).unwrap_or_else(|_| Err(Failure::Run("the compiler panicked".into())));
+        let ready = compiled.map(|mut ready| {
             self.plant.iter().for_each(|plant| plant(&mut ready.compiled.back.table));
             Arc::new(ready)
         });

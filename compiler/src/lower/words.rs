@@ -48,10 +48,11 @@ impl<'m> Lower<'m> {
         }
     }
 
-    /// The value with typed zeros for its words.
+    /// The value with typed zeros for its words. It may come from a block that has ended: what packing it takes is
+    /// thrown away.
     pub fn outline(&mut self, value: &Value<'m>, ty: &Type) -> Value<'m> {
         let mut words = Vec::new();
-        self.dissect(value, ty, &mut words);
+        self.reopen(Vec::new(), |l| l.dissect(value, ty, &mut words));
         let mut zeros = words.into_iter().map(|a| zero(self.scalar_of(a))).collect::<Vec<_>>().into_iter();
         self.rebuild(value, ty, &mut zeros)
     }

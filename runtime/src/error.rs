@@ -69,6 +69,10 @@ pub enum RunError {
     #[error("not supported yet: {0}")]
     Unsupported(String),
 
+    /// A test that some of a range of numbers passes and some not; who asked for ranges halves them.
+    #[error("internal error, please report it with the program: a range of numbers was not told apart")]
+    Undecided,
+
     #[error("the GPU failed: {0}; `--on cpu` runs the same program without one")]
     Device(String),
 

@@ -4,7 +4,7 @@
 
 mod proof;
 
-pub use proof::first_inexact;
+pub(crate) use proof::first_inexact;
 
 use crate::gpu::Gpu;
 use crate::terrain::layout::SceneUniform;

@@ -6,12 +6,14 @@
 
 mod compare;
 mod film;
+mod flip;
 mod npy;
 mod tiff;
 mod write;
 
 pub use compare::{Difference, compare};
 pub use film::{Film, FilmFormat};
+pub use flip::flip;
 pub use write::{Format, encode};
 
 use crate::terrain::geotags::GeoTags;

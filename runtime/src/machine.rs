@@ -15,7 +15,7 @@ use crate::value::Value;
 use crate::world::World;
 use ghyll_compiler::back::Back;
 use ghyll_compiler::compile::{Compiled, EntryKind};
-use ghyll_compiler::core::{Const, Scalar};
+use ghyll_compiler::core::{Const, Intrinsic, Scalar};
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::layout;
 use ghyll_compiler::stream;
@@ -78,6 +78,28 @@ impl Machine {
     }
 }
 
+impl Machine {
+    /// What evaluates a program in this machine's place: the twin, where the program walks through terrain and the adapter fails
+    /// the proof of exact sums and products that the walk rests on.
+    pub fn stand_in(&self, compiled: &Compiled) -> Result<Option<Machine>, RunError> {
+        const WALKS: [Intrinsic; 4] = [
+            Intrinsic::TraceBilinear,
+            Intrinsic::TraceTriangulated,
+            Intrinsic::OccludedBilinear,
+            Intrinsic::OccludedTriangulated,
+        ];
+        let backs = compiled.bakes.iter().map(|bake| &bake.back).chain([&compiled.back]);
+        let walks = backs.flat_map(|back| &back.wgsl.intrinsics).any(|i| WALKS.contains(i));
+        match self {
+            Machine::Gpu(gpu) if walks => {
+                let exact = gpu.keeps_rounding().map_err(RunError::Device)?;
+                Ok((!exact).then_some(Machine::Cpu))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
 /// A program with the scene it may look at.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
@@ -96,7 +118,8 @@ impl Job<'_> {
     ) -> Result<(Value, Stats), RunError> {
         let module = &self.checked.module;
         let back = &self.compiled.back;
-        let (words, stats) = match machine {
+        let stand_in = machine.stand_in(self.compiled)?;
+        let (words, stats) = match stand_in.as_ref().unwrap_or(machine) {
             Machine::Oracle(precision) => {
                 let started = Instant::now();
                 let value = oracle::evaluate(
@@ -142,6 +165,8 @@ impl Job<'_> {
         (width, height): (u32, u32),
     ) -> Result<(Image, Stats), RunError> {
         let job = Job { checked, compiled, scene: scene.as_ref() };
+        let stand_in = machine.stand_in(compiled)?;
+        let machine = stand_in.as_ref().unwrap_or(machine);
         let Machine::Gpu(gpu) = machine else { return job.render(machine, (width, height), config) };
         let components = compiled.result_words(&checked.module);
         let started = Instant::now();

@@ -26,7 +26,8 @@ impl Renderer {
         config: &Config,
     ) -> Result<(Image, Stats), RunError> {
         let started = Instant::now();
-        let (data, stats) = match machine {
+        let stand_in = machine.stand_in(job.compiled)?;
+        let (data, stats) = match stand_in.as_ref().unwrap_or(machine) {
             Machine::Oracle(precision) => {
                 let options = job.oracle_options(*precision, config);
                 let wide = job.oracle_picture(size, config.point, &options)?;

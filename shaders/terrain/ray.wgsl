@@ -149,7 +149,8 @@ fn terrain_placed(old: TerrainRay) -> TerrainRay {
         terrain_scene.z_inverse_scale,
     );
     let size = abs(terrain_scene.raw_relief.y) + abs(terrain_scene.raw_relief.x);
-    ray.low = ray.z.x - 5e-7 * (abs(ray.z.x) + size);
+    // Far away what rounding lost is more than the margin.
+    ray.low = ray.z.x + ray.z.y - 5e-7 * (abs(ray.z.x) + size);
 
     let rim = vec2<i32>(terrain_scene.size) - vec2<i32>(1);
     let a = terrain_planes(ray, vec2<i32>(0));

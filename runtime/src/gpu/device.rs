@@ -1,9 +1,10 @@
 //! Adapter and device: what is asked for, once.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::error::GpuError;
 use super::pipelines::Kept;
+use crate::gpu_terrain::first_inexact;
 
 #[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
@@ -33,6 +34,8 @@ pub struct Gpu {
     info: Info,
     lost: Arc<Mutex<Option<String>>>,
     kept: Arc<Mutex<Kept>>,
+    /// What the proof of exact sums and products has found.
+    proof: Arc<OnceLock<Result<bool, String>>>,
 }
 
 fn instance(options: &GpuOptions) -> wgpu::Instance {
@@ -123,7 +126,7 @@ impl Gpu {
         device.set_device_lost_callback(move |reason, text| note(&slot, format!("{reason:?}: {text}")));
         let slot = lost.clone();
         device.on_uncaptured_error(Arc::new(move |error| note(&slot, error.to_string())));
-        Gpu { device, queue, info, lost, kept: Arc::default() }
+        Gpu { device, queue, info, lost, kept: Arc::default(), proof: Arc::default() }
     }
 
     pub fn info(&self) -> &Info {
@@ -133,6 +136,17 @@ impl Gpu {
     /// Why the device is of no more use, if so.
     pub fn lost(&self) -> Option<String> {
         self.lost.lock().ok().and_then(|lost| lost.clone())
+    }
+
+    /// Whether sums and products are rounded as the walks through terrain rely on; proved once for a device.
+    pub fn keeps_rounding(&self) -> Result<bool, String> {
+        self.proof.get_or_init(|| first_inexact(self).map(|pair| pair.is_none())).clone()
+    }
+
+    /// Takes it that the proof has failed.
+    #[cfg(test)]
+    pub(crate) fn plant_failed_proof(&self) {
+        assert!(self.proof.set(Ok(false)).is_ok(), "nothing was proved yet");
     }
 
     /// Pipelines made so far for this device, by all engines.

@@ -42,7 +42,7 @@ fn expected(pairs: &[[f32; 2]]) -> Vec<[f32; 4]> {
 
 /// The first pair for which the device's sum or product, or what rounding lost of it, is another number than IEEE
 /// arithmetic gives; none if all agree. The sign of a zero does not count.
-pub fn first_inexact(gpu: &Gpu) -> Result<Option<[f32; 2]>, String> {
+pub(crate) fn first_inexact(gpu: &Gpu) -> Result<Option<[f32; 2]>, String> {
     let pairs = pairs();
     let found = evaluate(gpu, &pairs)?;
     let wrong = expected(&pairs).into_iter().zip(found).position(|(a, b)| a != b);
@@ -113,7 +113,12 @@ fn evaluate(gpu: &Gpu, pairs: &[[f32; 2]]) -> Result<Vec<[f32; 4]>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
     use crate::gpu::{GpuError, GpuOptions};
+    use crate::machine::{Job, Machine};
+    use crate::terrain::{Scene, SceneOptions, Terrain};
+    use ghyll_compiler::compile::{self, EntryKind, Options};
+    use ghyll_compiler::source::Source;
 
     #[test]
     fn the_adapter_adds_and_multiplies_without_loss() {
@@ -133,5 +138,38 @@ mod tests {
         let mut others = pairs.clone();
         others[5][1] += 1.0;
         assert_ne!(expected(&others), evaluate(&gpu, &pairs).unwrap());
+    }
+
+    /// Where the proof fails, programs that walk are the twin's, and no others.
+    #[test]
+    fn a_failed_proof_has_a_stand_in() {
+        let gpu = match Gpu::new(&GpuOptions::default()) {
+            Ok(gpu) => gpu,
+            Err(GpuError::NoAdapter) => return eprintln!("no adapter: nothing was checked on a device"),
+            Err(error) => panic!("{error}"),
+        };
+        let compiled = |text: &str| {
+            let checked = compile::check(Source::new("test.ghyll", text)).unwrap();
+            let options = Options { want: Some(EntryKind::Image), ..Options::default() };
+            let compiled = compile::compile(&checked, &options).unwrap();
+            (checked, compiled)
+        };
+        let walks = compiled(
+            "use terrain; fn pixel(p: vec2) -> f32 = match trace(bilinear, camera(p)) { Some(t) => t, None => -1.0 };",
+        );
+        let reads = compiled("use terrain; fn pixel(p: vec2) -> f32 = bilinear(p);");
+        gpu.plant_failed_proof();
+        let machine = Machine::Gpu(Box::new(gpu.clone()));
+        assert!(matches!(machine.stand_in(&walks.1), Ok(Some(Machine::Cpu))));
+        assert!(matches!(machine.stand_in(&reads.1), Ok(None)));
+        let fresh = Machine::Gpu(Box::new(Gpu::new(&GpuOptions::default()).unwrap()));
+        assert!(matches!(fresh.stand_in(&walks.1), Ok(None)));
+
+        let scene = Scene::new(std::sync::Arc::new(Terrain::builtin()), &SceneOptions::default()).unwrap();
+        let job = Job { checked: &walks.0, compiled: &walks.1, scene: Some(&scene) };
+        let made = gpu.pipelines_made();
+        let drawn = |machine: &Machine| job.render(machine, (16, 16), &Config::default()).unwrap().0;
+        assert_eq!(drawn(&machine), drawn(&Machine::Cpu));
+        assert_eq!(gpu.pipelines_made(), made);
     }
 }

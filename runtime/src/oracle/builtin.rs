@@ -6,15 +6,18 @@ use ghyll_compiler::builtins::{Builtin, Shape};
 use ghyll_compiler::core::Prim;
 
 use super::datum::{Components, Datum, Floats, Ints};
-use super::dual;
 use super::float::Precision;
 use super::integer::{builtin_i32, builtin_u32};
+use super::{dual, moving};
 use crate::error::RunError;
 
 /// The value of a built-in of mathematics; none if it is a built-in of another kind.
 pub fn apply<'m>(p: Precision, b: Builtin, args: &[Datum<'m>]) -> Result<Option<Datum<'m>>, RunError> {
     if b.shape() != Shape::Select && dual::highest(args) > 0 {
         return dual::call(p, b, args);
+    }
+    if !matches!(b.shape(), Shape::Select | Shape::Fixed(_)) && args.iter().any(moving::is_moving) {
+        return moving::call(b, args).map(Some);
     }
     Ok(Some(match b.shape() {
         Shape::Float(_) | Shape::Number(_) | Shape::Integer(_) => componentwise(p, b, args)?,

@@ -6,6 +6,7 @@ use ghyll_compiler::builtins::Builtin;
 use ghyll_compiler::typed::{Expr, FunctionId, LocalId, RasterId, Type};
 
 use super::dual::Dual;
+use super::moving::{self, Range};
 use crate::error::RunError;
 
 #[derive(Clone)]
@@ -25,6 +26,8 @@ pub enum Datum<'m> {
     Function(Callable<'m>),
     /// A number, vector or matrix with its slope, while a derivative is taken.
     Dual(Rc<Dual<'m>>),
+    /// Components of a number or a vector as ranges, while a piece of a ray is looked at.
+    Moving(Rc<[Range]>),
 }
 
 /// Anything that can be applied.
@@ -143,6 +146,7 @@ impl<'m> Datum<'m> {
             Datum::Variant(..) => "enum value",
             Datum::Function(_) => "function",
             Datum::Dual(_) => "number with a slope",
+            Datum::Moving(_) => "range of numbers",
         }
     }
 
@@ -214,6 +218,9 @@ impl<'m> Datum<'m> {
             }
             Ok(a.len() == b.len())
         };
+        if moving::is_moving(self) || moving::is_moving(other) {
+            return moving::equal(self, other);
+        }
         Ok(match (self.plain(), other.plain()) {
             (Datum::Bool(a), Datum::Bool(b)) => a == b,
             (Datum::I32(a), Datum::I32(b)) => a == b,

@@ -1,5 +1,6 @@
 //! Application of functions within limits: steps, time and depth are counted here and nowhere else.
 
+use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -8,6 +9,7 @@ use ghyll_compiler::typed::{ConstId, Expr, Module, ParamId};
 
 use super::datum::{Callable, Datum, Frame};
 use super::float::Precision;
+use super::moving::samplers::Patch;
 use super::{OracleOptions, builtin, terrain};
 use crate::error::RunError;
 use crate::world::World;
@@ -42,6 +44,8 @@ pub struct Evaluator<'m> {
     /// Values of constants and parameters, one list for each precision.
     consts: [Vec<Option<Datum<'m>>>; 2],
     params: [Vec<Option<Datum<'m>>>; 2],
+    /// Bicubic patches of cells, as the searches along rays have found them.
+    pub patches: HashMap<(u32, u32), Patch>,
 }
 
 /// Address of the caller's frame, near enough to measure how much stack is in use.
@@ -74,6 +78,7 @@ impl<'m> Evaluator<'m> {
             function: "",
             consts: none(module.consts.len()),
             params: none(module.params.len()),
+            patches: HashMap::new(),
         }
     }
 

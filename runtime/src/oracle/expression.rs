@@ -6,7 +6,7 @@ use ghyll_compiler::typed::{Arm, BinaryOp, Expr, ExprKind, Let, RangeForm, Range
 
 use super::datum::{Callable, Components, Datum, Floats, Frame, Lambda};
 use super::evaluator::{Evaluator, Step};
-use super::{operator, pattern};
+use super::{moving, operator, pattern};
 use crate::error::RunError;
 use crate::value::field_types;
 
@@ -223,6 +223,7 @@ fn swizzle<'m>(base: &Datum<'m>, at: &[u8]) -> Result<Datum<'m>> {
         at.iter().filter_map(|i| v.slice().get(*i as usize).copied()).collect()
     }
     Ok(match base {
+        Datum::Moving(v) => moving::datum(at.iter().filter_map(|i| v.get(*i as usize).copied()).collect()),
         Datum::IVec(v) => match pick(v, at).as_slice() {
             [one] => Datum::I32(*one),
             items => Datum::IVec(Components::new(items)),
@@ -246,6 +247,7 @@ fn index<'m>(base: &Datum<'m>, at: &Datum<'m>) -> Result<Datum<'m>> {
     };
     Ok(match base {
         Datum::Vec(v) => Datum::F32(v.slice()[clamped(v.len())?]),
+        Datum::Moving(v) => moving::datum(vec![v[clamped(v.len())?]]),
         Datum::IVec(v) => Datum::I32(v.slice()[clamped(v.len())?]),
         Datum::Mat(columns) => Datum::Vec(columns[clamped(columns.len())?]),
         other => {

@@ -11,6 +11,7 @@ mod evaluator;
 mod expression;
 mod float;
 mod integer;
+mod moving;
 mod operator;
 mod pattern;
 mod search;

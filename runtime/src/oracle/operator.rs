@@ -6,9 +6,9 @@ use ghyll_compiler::core::Prim;
 use ghyll_compiler::typed::{BinaryOp, UnaryOp};
 
 use super::datum::{Components, Datum, Floats, Ints};
-use super::dual;
 use super::float::Precision;
 use super::integer::{binary_i32, binary_u32};
+use super::{dual, moving};
 use crate::error::RunError;
 
 pub fn unary<'m>(op: UnaryOp, a: &Datum<'m>) -> Result<Datum<'m>, RunError> {
@@ -16,6 +16,7 @@ pub fn unary<'m>(op: UnaryOp, a: &Datum<'m>) -> Result<Datum<'m>, RunError> {
         return a.linear(|d| unary(op, d));
     }
     Ok(match (op, a) {
+        (UnaryOp::Neg, Datum::Moving(ranges)) => moving::negate(ranges),
         (UnaryOp::Neg, Datum::I32(i)) => Datum::I32(i.wrapping_neg()),
         (UnaryOp::Neg, Datum::F32(x)) => Datum::F32(-x),
         (UnaryOp::Neg, Datum::Vec(v)) => Datum::Vec(v.map(|x| -x)),
@@ -30,13 +31,18 @@ pub fn unary<'m>(op: UnaryOp, a: &Datum<'m>) -> Result<Datum<'m>, RunError> {
 }
 
 pub fn binary<'m>(p: Precision, op: BinaryOp, a: &Datum<'m>, b: &Datum<'m>) -> Result<Datum<'m>, RunError> {
+    let moves = moving::is_moving(a) || moving::is_moving(b);
     match op {
         BinaryOp::Eq => return a.equal(b).map(Datum::Bool),
         BinaryOp::Ne => return a.equal(b).map(|same| Datum::Bool(!same)),
+        BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge if moves => {
+            return moving::compare(op, a, b).map(Datum::Bool);
+        }
         BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge => {
             return compare(op, a.plain(), b.plain());
         }
         _ if a.level().max(b.level()) > 0 => return dual::binary(p, op, a, b),
+        _ if moves => return moving::binary(op, a, b),
         _ => {}
     }
     let result = match (a, b) {

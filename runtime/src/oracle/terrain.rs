@@ -9,7 +9,8 @@ use ghyll_compiler::typed::{BinaryOp, Expr, ExprKind, LocalId, RasterId};
 use super::datum::{Callable, Datum, Frame};
 use super::evaluator::Evaluator;
 use super::float::Precision;
-use super::{dual, operator, search};
+use super::moving::samplers;
+use super::{dual, moving, operator, search};
 use crate::error::RunError;
 
 /// Built-ins that are one intrinsic.
@@ -38,6 +39,16 @@ const ON_SURFACES: &[(Builtin, Builtin, Intrinsic)] = &[
 ];
 
 pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> Result<Datum<'m>, RunError> {
+    match (b, args) {
+        (_, [Datum::Moving(p)]) if SURFACES.contains(&b) => {
+            return samplers::sample(oracle, samplers::Kind::Plain(b), p).map(|r| moving::datum(vec![r]));
+        }
+        (Builtin::Subdivided, [Datum::Moving(p), Datum::F32(n)]) => {
+            return samplers::sample(oracle, samplers::Kind::Subdivided(*n), p)
+                .map(|r| moving::datum(vec![r]));
+        }
+        _ => {}
+    }
     if let ([p], true) = (args, SURFACES.contains(&b)) {
         return sample(oracle, Sampler::Surface(b), [0, 0], p);
     }

@@ -1,6 +1,7 @@
 //! Programs whose values are known, limits, and single precision against the twin to the bit.
 
 mod derivatives;
+mod surfaces;
 
 use std::time::Duration;
 

@@ -156,7 +156,8 @@ fn placed(scene: &SceneUniform, ray: GridRay) -> Option<GridRay> {
     let above = sum(height[0], -scene.z_offset);
     ray.z = quotient([above[0], above[1] + (height[1] + way[1])], scene.z_scale, scene.z_inverse_scale);
     let (low, high) = (scene.raw_relief[0], scene.raw_relief[1]);
-    ray.low = ray.z[0] - 5e-7 * (ray.z[0].abs() + high.abs() + low.abs());
+    // Far away what rounding lost is more than the margin.
+    ray.low = ray.z[0] + ray.z[1] - 5e-7 * (ray.z[0].abs() + high.abs() + low.abs());
 
     let mut end = ray.far - ray.start;
     let rim = [scene.size[0] as i32 - 1, scene.size[1] as i32 - 1];

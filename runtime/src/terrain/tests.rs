@@ -348,6 +348,18 @@ fn a_far_camera_hits_as_exactly_as_a_near_one() {
     }
 }
 
+/// The base's height is rounded by a quarter of a metre there: the walk must know of that too, or it begins below the surface.
+#[test]
+fn a_ray_from_10000_km_does_not_begin_below_the_surface() {
+    let scene = scene(Terrain::builtin());
+    let ray = [724859.8, -8315319.0, 5474773.0, -0.071396045, 0.8340069, -0.5471152, 0.0, 1e9];
+    for surface in SURFACES {
+        let (t, truth) =
+            (single(&scene, surface, &ray).unwrap(), double(&scene, surface, &ray, 0.0).unwrap());
+        assert!((t - truth).abs() <= 0.5, "{surface:?}: {t} {truth}");
+    }
+}
+
 /// A box that spans places of every size, some of them beyond the rim or along grid lines.
 fn ends(scene: &Scene, random: &mut Random) -> [f32; 4] {
     let terrain = scene.terrain();

@@ -371,8 +371,9 @@ pub struct Info {
 #[derive(Args)]
 pub struct Bench {
     /// overhead: a picture by a hand-written kernel and by Ghyll; calls: rewrites per second; stability: hazards of
-    /// tracing with their bounds. All if absent.
-    #[arg(value_parser = ["overhead", "calls", "stability"])]
+    /// tracing with their bounds; accuracy: frame time against error; numerics: largest error of every
+    /// built-in function. All if absent.
+    #[arg(value_parser = ["overhead", "calls", "stability", "accuracy", "numerics"])]
     pub name: Option<String>,
     /// One JSON object on standard output.
     #[arg(long)]
@@ -389,9 +390,19 @@ pub struct Bench {
     /// Random rays over each field of `stability`; of each other hazard there are a tenth.
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub rays: u64,
-    /// Only hazards of `stability` whose name contains this.
+    /// Only hazards of `stability`, or terrains, views and surfaces of `accuracy`, or functions of `numerics`, whose name
+    /// contains this.
     #[arg(long, value_name = "SUBSTRING")]
     pub only: Option<String>,
+    /// Size of the pictures of `accuracy` in pixels, 160x120 if absent; of `numerics`: values of each function, 256x256.
+    #[arg(long, value_name = "WxH", value_parser = dimensions, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+    /// One more terrain for `accuracy`.
+    #[arg(long, value_name = "FILE")]
+    pub dem: Option<PathBuf>,
+    /// Folder for the CSV, Markdown and plot (SVG, PNG) of `accuracy`, the Markdown of `numerics`.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 /// Makes `--stats json` and bare `--stats` both unmistakable for the parser.

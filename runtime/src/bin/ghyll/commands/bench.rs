@@ -1,7 +1,9 @@
 //! `ghyll bench`: measurements that check their answers. What is compared runs interleaved, medians are reported.
 
+mod accuracy;
 mod calls;
 mod kernel;
+mod numerics;
 mod overhead;
 mod stability;
 
@@ -16,8 +18,13 @@ use serde_json::{Value, json};
 type Benchmark = fn(&Bench, Option<&Gpu>) -> Result<Vec<Value>, Failure>;
 
 /// All benchmarks by name.
-const BENCHMARKS: &[(&str, Benchmark)] =
-    &[("overhead", overhead::rows), ("calls", calls::rows), ("stability", stability::rows)];
+const BENCHMARKS: &[(&str, Benchmark)] = &[
+    ("overhead", overhead::rows),
+    ("calls", calls::rows),
+    ("stability", stability::rows),
+    ("accuracy", accuracy::rows),
+    ("numerics", numerics::rows),
+];
 
 pub fn bench(arguments: &Bench) -> Result<(), Failure> {
     let options = GpuOptions { adapter: arguments.adapter.clone(), ..GpuOptions::default() };
@@ -60,8 +67,13 @@ fn machine() -> String {
     format!("{name}, {threads} threads")
 }
 
-/// Rows as aligned columns, a line for each.
+/// Rows as aligned columns, a line for each; rows of other figures begin another table.
 fn table(rows: &[Value]) {
+    let keys = |row: &Value| row.as_object().map(|row| row.keys().cloned().collect::<Vec<_>>());
+    rows.chunk_by(|a, b| keys(a) == keys(b)).for_each(columns);
+}
+
+fn columns(rows: &[Value]) {
     let Some(Value::Object(first)) = rows.first() else { return };
     let keys: Vec<&String> = first.keys().collect();
     let cell = |row: &Value, key: &str| match &row[key] {
@@ -89,10 +101,13 @@ fn table(rows: &[Value]) {
 
 /// A benchmark's program, which is known to compile.
 fn program(name: &str, text: &str, want: EntryKind) -> Result<(Checked, Compiled), Failure> {
+    program_with(name, text, &Options { want: Some(want), ..Options::default() })
+}
+
+fn program_with(name: &str, text: &str, options: &Options) -> Result<(Checked, Compiled), Failure> {
     let fault = || Failure::Run(format!("benchmark program {name} does not compile"));
     let checked = compile::check(Source::new(name, text)).map_err(|_| fault())?;
-    let options = Options { want: Some(want), ..Options::default() };
-    let compiled = compile::compile(&checked, &options).map_err(|_| fault())?;
+    let compiled = compile::compile(&checked, options).map_err(|_| fault())?;
     Ok((checked, compiled))
 }
 

@@ -4,7 +4,6 @@ use super::scene;
 use crate::arguments::Info;
 use crate::failure::Failure;
 use ghyll_runtime::gpu::{Gpu, GpuOptions, Info as Adapter};
-use ghyll_runtime::gpu_terrain::first_inexact;
 use ghyll_runtime::terrain::Terrain;
 use serde_json::json;
 
@@ -55,7 +54,7 @@ fn described(terrain: &Terrain) -> serde_json::Value {
 fn exact(adapter: &Adapter) -> Option<bool> {
     let options = GpuOptions { adapter: Some(adapter.name.clone()), ..GpuOptions::default() };
     let gpu = Gpu::new(&options).ok()?;
-    first_inexact(&gpu).ok().map(|pair| pair.is_none())
+    gpu.keeps_rounding().ok()
 }
 
 fn adapters(as_json: bool) -> Result<(), Failure> {

@@ -2,6 +2,7 @@
 
 use crate::arguments::{self, On};
 use crate::failure::Failure;
+use ghyll_compiler::compile::Compiled;
 use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::gpu::GpuOptions;
 use ghyll_runtime::machine::{Machine, Wanted};
@@ -43,6 +44,18 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
         ..Config::default()
     };
     Ok((machine, config))
+}
+
+/// Says that another machine takes this one's place for a program, and why.
+pub fn note_stand_in(machine: &Machine, compiled: &Compiled) -> Result<(), Failure> {
+    if let Some(other) = machine.stand_in(compiled).map_err(Failure::run)? {
+        eprintln!(
+            "the {} takes the place of the {}, which does not keep the rounding of sums and products that exact tracing rests on",
+            other.describe(),
+            machine.describe()
+        );
+    }
+    Ok(())
 }
 
 /// Says which options mean nothing to the machine that was picked.

@@ -15,6 +15,7 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("mapping on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
+    machine::note_stand_in(&machine, &compiled)?;
 
     let progress = report::Bar::start("mapping");
     config.progress = progress.listener();

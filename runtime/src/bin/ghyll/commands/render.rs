@@ -38,6 +38,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let views = scene::Views::open(&asked, arguments, looks)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
+    machine::note_stand_in(&machine, &compiled)?;
 
     let size @ (width, height) = views.size();
     let progress = report::Bar::start("rendering");

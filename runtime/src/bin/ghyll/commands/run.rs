@@ -20,6 +20,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
+    machine::note_stand_in(&machine, &compiled)?;
     let progress = crate::report::Bar::start("running");
     config.progress = progress.listener();
     let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };

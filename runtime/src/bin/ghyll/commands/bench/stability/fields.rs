@@ -56,6 +56,11 @@ pub fn tilted() -> Made {
     field(512, 512, [30.0, 30.0], |c, r| 1000.0 + 11.1 * c as f32 - 6.3 * r as f32)
 }
 
+/// Level at 8848.125 m.
+pub fn high() -> Made {
+    field(257, 257, [30.0, 30.0], |_, _| 8848.125)
+}
+
 /// Level at 8848.125 m, with pits.
 pub fn plateau() -> Made {
     field(257, 257, [30.0, 30.0], |c, r| if c % 16 == 7 && r % 16 == 9 { 8500.0 } else { 8848.125 })

@@ -71,66 +71,92 @@ fn rounding(t: f32) -> f64 {
 }
 
 pub fn judge(site: &Site, surface: Surface, ray: &Ray, answer: Answer) -> Verdict {
+    let real = truth(site, surface, &ray.map(f64::from));
+    let slope = |at: [f64; 2]| {
+        let mut slope = [0.0; 2];
+        site.scene.eval_f64(surface.gradient, &at, &mut slope);
+        slope
+    };
+    look(site, ray, answer, real, slope).unwrap_or_else(|| {
+        let others = moves(site, ray).map(|ray| truth(site, surface, &ray));
+        if excused(site, answer, &others) { Verdict::Right } else { blame(answer, real) }
+    })
+}
+
+/// The verdict where the ray alone tells it; none where rays beside it must be asked. `slope` is the surface's gradient.
+pub fn look(
+    site: &Site,
+    ray: &Ray,
+    answer: Answer,
+    real: Option<f64>,
+    slope: impl Fn([f64; 2]) -> [f64; 2],
+) -> Option<Verdict> {
     let t = f32::from_bits(answer.distance);
     let hit = answer.hit != 0;
     if hit != (answer.occluded != 0) || (hit && !t.is_finite()) {
-        return Verdict::Fault;
+        return Some(Verdict::Fault);
     }
-    let ray = ray.map(f64::from);
-    let real = truth(site, surface, &ray);
-    let given = hit.then_some(f64::from(t));
-    match (given, real) {
-        (None, None) => return Verdict::Right,
+    match (answer.given(), real) {
+        (None, None) => Some(Verdict::Right),
         (Some(given), Some(real)) => {
-            let (error, cosine) = apart(site, surface, &ray, real, (given - real).abs() - rounding(t));
+            let ray = ray.map(f64::from);
+            let at = [0, 1].map(|k| (ray[k] + real * ray[k + 3]).clamp(0.0, site.extent[k]));
+            let (error, cosine) = apart(site, &ray, slope(at), (given - real).abs() - rounding(t));
             if cosine >= GRAZING && error <= 1e-3 {
-                return Verdict::Hit(error);
+                return Some(Verdict::Hit(error));
             }
-            if error * cosine <= MOVED {
-                return Verdict::Right;
-            }
+            (error * cosine <= MOVED).then_some(Verdict::Right)
         }
-        _ => {}
+        _ => None,
     }
-    if moved(site, surface, &ray, given, rounding(t)) {
-        return Verdict::Right;
-    }
-    match (given, real) {
+}
+
+/// An answer that is neither right nor that of a ray beside it.
+pub fn blame(answer: Answer, real: Option<f64>) -> Verdict {
+    match (answer.given(), real) {
         (Some(given), Some(real)) if given > real => Verdict::Missed,
         (Some(_), _) => Verdict::Phantom,
         (None, _) => Verdict::Missed,
     }
 }
 
-/// A distance in cells along the surface at the true hit, and the cosine of the ray to the normal there.
-fn apart(site: &Site, surface: Surface, ray: &[f64; 8], real: f64, distance: f64) -> (f64, f64) {
-    let [x, y] = [0, 1].map(|k| (ray[k] + real * ray[k + 3]).clamp(0.0, site.extent[k]));
-    let mut slope = [0.0; 2];
-    site.scene.eval_f64(surface.gradient, &[x, y], &mut slope);
+impl Answer {
+    fn given(self) -> Option<f64> {
+        (self.hit != 0).then_some(f64::from(f32::from_bits(self.distance)))
+    }
+}
+
+/// A distance in cells along the surface of that slope, and the cosine of the ray to the normal there.
+fn apart(site: &Site, ray: &[f64; 8], slope: [f64; 2], distance: f64) -> (f64, f64) {
     let steep = (1.0 + slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
     let length = (ray[3] * ray[3] + ray[4] * ray[4] + ray[5] * ray[5]).sqrt();
     let cosine = (ray[5] - slope[0] * ray[3] - slope[1] * ray[4]).abs() / (steep * length);
     (distance.max(0.0) * length / (site.cell() * steep), cosine)
 }
 
-/// Whether a ray that is moved a little has that answer, or answers on both sides of it.
-fn moved(site: &Site, surface: Surface, ray: &[f64; 8], given: Option<f64>, rounding: f64) -> bool {
+/// The ray moved a little along every axis.
+pub fn moves(site: &Site, ray: &Ray) -> [[f64; 8]; 6] {
     let step = MOVED * site.cell();
-    let slack = 1e-3 * site.cell() + rounding;
+    std::array::from_fn(|k| {
+        let mut other = ray.map(f64::from);
+        other[k / 2] += if k % 2 == 0 { -step } else { step };
+        other
+    })
+}
+
+/// Whether one of the moved rays has that answer, or they answer on both sides of it.
+pub fn excused(site: &Site, answer: Answer, others: &[Option<f64>]) -> bool {
+    let slack = 1e-3 * site.cell() + rounding(f32::from_bits(answer.distance));
     let (mut before, mut behind, mut none) = (false, false, false);
-    for axis in 0..3 {
-        for way in [-step, step] {
-            let mut other = *ray;
-            other[axis] += way;
-            match (truth(site, surface, &other), given) {
-                (None, None) => return true,
-                (None, Some(_)) => none = true,
-                (Some(t), Some(given)) => {
-                    before |= t <= given + slack;
-                    behind |= t >= given - slack;
-                }
-                (Some(_), None) => {}
+    for other in others {
+        match (*other, answer.given()) {
+            (None, None) => return true,
+            (None, Some(_)) => none = true,
+            (Some(t), Some(given)) => {
+                before |= t <= given + slack;
+                behind |= t >= given - slack;
             }
+            (Some(_), None) => {}
         }
     }
     before && (behind || none)

@@ -1,0 +1,134 @@
+//! One curve: a surface seen once, met by every method. Frames of all methods are taken in turn.
+
+use super::super::Spread;
+use super::errors::{Apart, Distances};
+use super::{Method, Row, Setting, traced};
+use crate::failure::Failure;
+use ghyll_compiler::compile::{Compiled, set_live};
+use ghyll_compiler::core::Intrinsic;
+use ghyll_compiler::front::Checked;
+use ghyll_runtime::config::Config;
+use ghyll_runtime::image::Image;
+use ghyll_runtime::machine::{Job, Machine};
+use ghyll_runtime::oracle::{self, OracleOptions};
+use ghyll_runtime::renderer::Renderer;
+use ghyll_runtime::terrain::Scene;
+use ghyll_runtime::world::World;
+use std::time::{Duration, Instant};
+
+pub const PATIENCE: Duration = Duration::from_secs(3600);
+
+/// The scene with the rays that a machine has computed, so that errors of rays are none of tracing.
+struct Seen<'a> {
+    scene: &'a Scene,
+    directions: &'a Image,
+}
+
+impl World for Seen<'_> {
+    fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
+        if intrinsic != Intrinsic::Camera {
+            return self.scene.eval_f64(intrinsic, args, out);
+        }
+        let (at, last) =
+            ([args[0] as u32, args[1] as u32], [self.directions.width - 1, self.directions.height - 1]);
+        let dir = self.directions.pixel(at[0].min(last[0]), at[1].min(last[1]));
+        let scene = self.scene.uniform();
+        let ray = [&scene.eye[..], dir, &[scene.near, scene.far]].concat();
+        out.iter_mut().zip(ray).for_each(|(out, x)| *out = f64::from(x));
+    }
+
+    fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
+        self.scene.eval_f32(intrinsic, args, out);
+    }
+}
+
+/// Colours, and the fourth component of every pixel.
+fn parted(data: &[f64]) -> (Vec<f32>, Vec<f64>) {
+    let colors = data.chunks_exact(4).flat_map(|p| [p[0] as f32, p[1] as f32, p[2] as f32]).collect();
+    (colors, data.chunks_exact(4).map(|p| p[3]).collect())
+}
+
+fn rgb((width, height): (u32, u32), colors: Vec<f32>) -> Result<Image, Failure> {
+    Image::new(width, height, 3, colors).map_err(|e| Failure::Run(e.to_string()))
+}
+
+pub fn curve(
+    scene: &Scene,
+    setting: &Setting,
+    methods: &[Method],
+    machine: &Machine,
+    repeat: u32,
+) -> Result<Vec<Row>, Failure> {
+    let size = scene.options().size;
+    let config = Config { timeout: PATIENCE, ..Config::default() };
+    let draw = |renderer: &mut Renderer, (checked, compiled): &(Checked, Compiled)| {
+        let job = Job { checked, compiled, scene: Some(scene) };
+        renderer.render(&job, machine, size, &config).map(|(image, _)| image).map_err(Failure::run)
+    };
+    let directions = draw(&mut Renderer::default(), &traced(&setting.surface, "direction", true, false)?)?;
+
+    let mut exact = (Renderer::default(), traced(&setting.surface, "pixel", true, false)?);
+    let mut search = (Renderer::default(), traced(&setting.surface, "pixel", false, false)?);
+    let world = Seen { scene, directions: &directions };
+    let (colors, real) = parted(&reference(&exact.1, size, &world)?);
+    let reference = rgb(size, colors)?;
+
+    let mut times = vec![Vec::new(); methods.len()];
+    let mut images = Vec::new();
+    for turn in 0..=repeat {
+        for (method, times) in methods.iter().zip(&mut times) {
+            let (renderer, program) = if *method == Method::Trace { &mut exact } else { &mut search };
+            if let Method::Search(pieces, halvings) = method {
+                set(program, "steps", *pieces)?;
+                set(program, "refinements", *halvings)?;
+            }
+            let started = Instant::now();
+            let image = draw(renderer, program)?;
+            match turn {
+                // The first frame compiles.
+                0 => images.push(image),
+                _ => times.push(1e3 * started.elapsed().as_secs_f64()),
+            }
+        }
+    }
+
+    let [near, far] = scene.camera().pixel_width();
+    let row = |((method, times), image): ((&Method, Vec<f64>), Image)| -> Result<Row, Failure> {
+        let wide: Vec<f64> = image.data.iter().map(|x| f64::from(*x)).collect();
+        let (colors, _) = parted(&wide);
+        let found: Vec<f32> = image.data.chunks_exact(4).map(|p| p[3]).collect();
+        let spread = Spread::of(times);
+        Ok(Row {
+            setting: setting.clone(),
+            method: Some(*method),
+            program: "terrain",
+            lighting: "facing",
+            preset: None,
+            rewriter: "auto",
+            samples: 1,
+            ms: [spread.median, spread.least, spread.greatest],
+            distances: Some(Distances::of(&found, &real, |t| near + far * t)),
+            apart: Apart::of(&rgb(size, colors)?, &reference)?,
+            front: false,
+        })
+    };
+    methods.iter().zip(times).zip(images).map(row).collect()
+}
+
+fn set((checked, compiled): &mut (Checked, Compiled), name: &str, value: u32) -> Result<(), Failure> {
+    set_live(checked, compiled, name, &value.to_string())
+        .map_err(|_| Failure::Run(format!("the benchmark's program has no live parameter {name}")))
+}
+
+/// The oracle's picture for the rays that the machine computed.
+fn reference(
+    (checked, compiled): &(Checked, Compiled),
+    size: (u32, u32),
+    world: &Seen,
+) -> Result<Vec<f64>, Failure> {
+    let set = compiled.settings.set.iter().map(|(id, setting)| (*id, setting.clone())).collect();
+    let options = OracleOptions { timeout: PATIENCE, set, ..OracleOptions::default() };
+    let place = |column: u32, row: u32| [f64::from(column) + 0.5, f64::from(row) + 0.5];
+    oracle::components(&checked.module, compiled.entry, size, &place, &options, Some(world))
+        .map_err(Failure::run)
+}

@@ -10,6 +10,7 @@ pub(crate) mod walk;
 
 pub use crate::argument::{Argument, parse_arguments};
 
+use crate::analysis::notes::Notes;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::infer::{Body, ConstState, Env};
@@ -38,7 +39,10 @@ pub fn front(source: Source, files: &dyn Files) -> Result<Checked, Report> {
     on_large_stack(|| {
         let Loaded { sources, files, diagnostics, .. } = load(source, files);
         let (module, diagnostics) = match diagnostics.is_empty() {
-            true => check(&files, declare(&files)),
+            true => {
+                let (module, diagnostics, _) = check(&files, declare(&files, None));
+                (module, diagnostics)
+            }
             false => (Module::default(), diagnostics),
         };
         let report = Report { sources, diagnostics: ordered(diagnostics) };
@@ -60,7 +64,8 @@ pub(crate) fn on_large_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     })
 }
 
-fn check(files: &[File], declared: Declared) -> (Module, Vec<Diagnostic>) {
+/// Checks what was declared; with the notes that were asked for.
+pub(crate) fn check(files: &[File], declared: Declared) -> (Module, Vec<Diagnostic>, Option<Notes>) {
     let Declared { module, names, functions, params, mut diagnostics } = declared;
     let (mut consts, mut defaults, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
     {
@@ -91,8 +96,8 @@ fn check(files: &[File], declared: Declared) -> (Module, Vec<Diagnostic>) {
         }
         let mut wrong = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
         for i in 0..functions.len() {
-            // The rest would not be shown, and a program with errors goes no further.
-            if wrong > MAX_DIAGNOSTICS {
+            // The rest would not be shown, and a program with errors goes no further than to an editor.
+            if wrong > MAX_DIAGNOSTICS && names.notes.is_none() {
                 break;
             }
             let body = env.function(i);
@@ -124,7 +129,12 @@ fn check(files: &[File], declared: Declared) -> (Module, Vec<Diagnostic>) {
             unused::check(files, &names.scopes, &module, &mut diagnostics);
         }
     }
-    (module, diagnostics)
+    let notes = names.notes.as_ref().map(|notes| {
+        let mut notes = notes.take();
+        notes.visible(&names);
+        notes
+    });
+    (module, diagnostics, notes)
 }
 
 /// Defaults outside the range of their parameter, as far as literals show it.
@@ -157,7 +167,7 @@ fn number(e: &typed::Expr) -> Option<f64> {
 }
 
 /// In the order of the text, the user's first; each once. Far too many are cut off, which is the last error then.
-fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+pub(crate) fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.sort_by_key(|d| (d.primary.0.source, d.primary.0.start, d.primary.0.end, d.code));
     diagnostics.dedup_by(|a, b| a.code == b.code && a.primary.0 == b.primary.0 && a.title == b.title);
     if let Some(next) = diagnostics.get(MAX_DIAGNOSTICS).map(|d| d.primary.0) {

@@ -8,7 +8,7 @@
 mod call;
 mod expr;
 mod finish;
-mod forms;
+pub(crate) mod forms;
 mod goals;
 mod locals;
 mod numeric;
@@ -19,8 +19,9 @@ pub mod table;
 mod tree;
 
 use std::cell::{Cell, RefCell};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
+use crate::analysis::notes::{HERE, Meaning};
 use crate::ast;
 use crate::builtins::Builtin;
 use crate::codes;
@@ -29,7 +30,7 @@ use crate::front::MAX_DIAGNOSTICS;
 use crate::resolve::similar;
 use crate::resolve::types::{self, Place};
 use crate::source::Span;
-use crate::typed::{self, ConstId, LocalId, Module, Type};
+use crate::typed::{self, ConstId, LocalId, Module, StructId, Type};
 use goals::Goals;
 use locals::Names;
 use table::{Clash, Form, Origin, Table, Ty};
@@ -179,6 +180,16 @@ struct Infer<'e, 'a> {
     unused: Vec<Diagnostic>,
     /// Where fields are called as other languages call methods.
     called: Vec<Span>,
+    /// For editors: what names mean.
+    noted: Vec<(Span, Meaning, Ty)>,
+    here: Option<HereType>,
+}
+
+/// What could stand somewhere, before types are known.
+enum HereType {
+    Value(Vec<(String, Ty)>, Option<StructId>),
+    Field(Ty),
+    Pattern(Ty),
 }
 
 struct Local {
@@ -202,6 +213,8 @@ impl<'e, 'a> Infer<'e, 'a> {
             holes: 0,
             unused: Vec::new(),
             called: Vec::new(),
+            noted: Vec::new(),
+            here: None,
         }
     }
 
@@ -220,6 +233,7 @@ impl<'e, 'a> Infer<'e, 'a> {
     fn bind(&mut self, name: &str, ty: Ty, span: Span) -> LocalId {
         let id = self.local(name, ty, span);
         if name != "_" {
+            self.note_local(name, id, span);
             self.scope.push(name, id);
         }
         id
@@ -229,6 +243,39 @@ impl<'e, 'a> Infer<'e, 'a> {
         let id = self.scope.get(name)?;
         self.locals[id.0 as usize].used.set(true);
         Some(id)
+    }
+
+    fn note(&mut self, span: Span, meaning: Meaning, ty: Ty) {
+        if self.env.names.notes.is_some() {
+            self.noted.push((span, meaning, ty));
+        }
+    }
+
+    fn note_local(&mut self, name: &str, id: LocalId, span: Span) {
+        let Local { ty, span: bound, .. } = self.locals[id.0 as usize];
+        // Names made for holes are no names of the text.
+        if !name.starts_with('$') {
+            self.note(span, Meaning::Local(bound), ty);
+        }
+    }
+
+    /// The names that an unknown name could have been, if an editor asks.
+    fn note_here(&mut self, name: &str) {
+        if name != HERE || self.env.names.notes.is_none() {
+            return;
+        }
+        let mut seen = HashSet::new();
+        let mut names = Vec::new();
+        for name in self.scope.iter().filter(|name| !name.starts_with('$') && seen.insert(*name)) {
+            if let Some(id) = self.scope.get(name) {
+                names.push((name.to_owned(), self.locals[id.0 as usize].ty));
+            }
+        }
+        let built = match self.here.take() {
+            Some(HereType::Value(_, built)) => built,
+            _ => None,
+        };
+        self.here = Some(HereType::Value(names, built));
     }
 
     fn fresh(&mut self, span: Span) -> Ty {

@@ -4,6 +4,7 @@
 //! -> [`optimise`] -> [`split`] -> [`table`] -> [`wgsl`]. [`compile`] plays them in order.
 
 pub mod account;
+pub mod analysis;
 pub mod argument;
 pub mod ast;
 pub mod back;

@@ -64,6 +64,11 @@ impl Image {
         &self.data[at..at + n]
     }
 
+    /// Four bytes a pixel, as a PNG of the picture has them; opaque where it has no alpha.
+    pub fn rgba8(&self) -> Vec<u8> {
+        write::eight_bit_rgba(self)
+    }
+
     /// Writes the picture in the format that the name's ending names.
     pub fn save(&self, file: impl AsRef<Path>) -> Result<(), ImageError> {
         self.save_with(file.as_ref(), None)

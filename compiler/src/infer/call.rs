@@ -3,7 +3,8 @@
 use super::goals::GoalKind;
 use super::table::{Form, Origin, Ty};
 use super::tree::{Kind, Node};
-use super::{Infer, Want};
+use super::{HereType, Infer, Want};
+use crate::analysis::notes::{HERE, Meaning};
 use crate::ast::{self, Argument, Expr, ExprKind, LambdaParam, Name};
 use crate::builtins::{Builtin, Shape};
 use crate::codes;
@@ -31,9 +32,16 @@ impl Infer<'_, '_> {
         }
         let scopes = &self.env.names.scopes;
         match scopes.value(self.place.file, name) {
-            Some(Value::Function(id)) => self.call_function(id, name, callee.span, arguments, span, want),
-            Some(Value::Struct(id)) => self.construct(id, name, arguments, span, want),
+            Some(Value::Function(id)) => {
+                self.note(callee.span, Meaning::Function(id), Ty::ERROR);
+                self.call_function(id, name, callee.span, arguments, span, want)
+            }
+            Some(Value::Struct(id)) => {
+                self.note(callee.span, Meaning::Struct(id), Ty::ERROR);
+                self.construct(id, name, arguments, span, want)
+            }
             Some(Value::Variant(id, index)) => {
+                self.note(callee.span, Meaning::Variant(id, index), Ty::ERROR);
                 let module = self.env.module;
                 let declared = &module.enums[id.0 as usize];
                 let args = self.instantiate(&declared.generics, name, callee.span);
@@ -47,8 +55,15 @@ impl Infer<'_, '_> {
             }
             Some(_) => self.call_value(callee, arguments, span, want),
             None => match scopes.builtin(self.place.file, name) {
-                Some(builtin) => self.call_builtin(builtin, callee.span, arguments, span, want),
-                None if super::forms::is_form(name) => self.form_call(name, arguments, span, want),
+                Some(builtin) => {
+                    self.note(callee.span, Meaning::Builtin(builtin), Ty::ERROR);
+                    self.call_builtin(builtin, callee.span, arguments, span, want)
+                }
+                None if super::forms::is_form(name) => {
+                    let form = super::forms::names().find(|form| form == name);
+                    form.into_iter().for_each(|form| self.note(callee.span, Meaning::Form(form), Ty::ERROR));
+                    self.form_call(name, arguments, span, want)
+                }
                 None => {
                     self.unknown_name(name, callee.span);
                     self.check_anyway(arguments);
@@ -187,6 +202,9 @@ impl Infer<'_, '_> {
         let params: Params =
             declared.fields.iter().map(|(_, t)| (self.table.import(t, &args), None)).collect();
         let ty = self.table.add(Form::Struct(id, args));
+        if arguments.iter().any(|a| matches!(&a.value.kind, ExprKind::Name(name) if name == HERE)) {
+            self.here = Some(HereType::Value(Vec::new(), Some(id)));
+        }
         let nodes = match arguments.iter().any(|a| a.name.is_some()) {
             false => self.arguments(name, &params, arguments, span, Some(declared.span)),
             true => self.named_fields(id, name, &params, arguments, span),
@@ -220,6 +238,7 @@ impl Infer<'_, '_> {
                 self.any(&argument.value);
                 continue;
             };
+            self.note(field.span, Meaning::Field(id, i as u32), params[i].0);
             let node = self.expr(
                 &argument.value,
                 Want { ty: params[i].0, why: Some((declared.span, "of this struct")) },
@@ -365,6 +384,7 @@ impl Infer<'_, '_> {
 
     /// A built-in used as a function value, as in `fold(0..3, 0.0, max)`.
     pub(super) fn builtin_value(&mut self, builtin: Builtin, span: Span, want: Want) -> Node {
+        self.note(span, Meaning::Builtin(builtin), want.ty);
         if let Shape::Fixed(_) = builtin.shape() {
             let (params, result) = self.fixed(builtin);
             let ty = self.table.add(Form::Fn(params, result));

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use super::goals::GoalKind;
 use super::table::{Form, Origin, Ty};
 use super::tree::{Arm, Kind, Node, Number, Pattern, PatternKind};
-use super::{Infer, Want};
+use super::{HereType, Infer, Want};
+use crate::analysis::notes::HERE;
 use crate::ast::{self, Expr, ExprKind, LambdaParam, Operator};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
@@ -126,9 +127,12 @@ impl Infer<'_, '_> {
 
     fn name(&mut self, name: &str, span: Span, want: Want) -> Node {
         let (kind, ty) = if let Some(id) = self.lookup(name) {
+            self.note_local(name, id, span);
             (Kind::Local(id), self.locals[id.0 as usize].ty)
         } else if let Some(value) = self.env.names.scopes.value(self.place.file, name) {
-            self.global(value, name, span)
+            let (kind, ty) = self.global(value, name, span);
+            self.note(span, value.into(), ty);
+            (kind, ty)
         } else if let Some(builtin) = self.env.names.scopes.builtin(self.place.file, name) {
             return self.builtin_value(builtin, span, want);
         } else {
@@ -186,6 +190,7 @@ impl Infer<'_, '_> {
     }
 
     pub(super) fn unknown_name(&mut self, name: &str, span: Span) {
+        self.note_here(name);
         let scopes = &self.env.names.scopes;
         if super::forms::is_form(name) {
             let title = format!("`{name}` is not a value");
@@ -204,7 +209,9 @@ impl Infer<'_, '_> {
                 Diagnostic::error(codes::UNKNOWN_NAME, span, format!("nothing is called `{name}` here"))
                     .label("unknown name");
             let locals = self.scope.iter();
-            let known = locals.chain(scopes.value_names(self.place.file)).chain(super::forms::names());
+            let known = locals
+                .chain(scopes.value_names(self.place.file))
+                .chain(super::forms::names().map(|form| -> &str { form }));
             let meant = self.similar(name, known);
             match (scopes.elsewhere(name), foreign::value_help(name), meant) {
                 (Some(place), ..) => diagnostic
@@ -418,6 +425,9 @@ impl Infer<'_, '_> {
         for field in fields {
             let Some(name) = &field.name else {
                 self.any(&field.value);
+                if matches!(&field.value.kind, ExprKind::Name(name) if name == HERE) {
+                    self.here = Some(HereType::Field(base.ty));
+                }
                 let title = "an update names its fields";
                 self.report(
                     Diagnostic::error(codes::NAMED_ARGUMENT, field.value.span, title)

@@ -7,7 +7,9 @@ use super::goals::swizzle;
 use super::show::show_type;
 use super::table::{Origin, Ty, Unfinished};
 use super::tree::{self, Kind, Node, Number};
-use super::{Body, Infer};
+use super::{Body, HereType, Infer};
+use crate::analysis::notes::{HERE, Here, Meaning};
+use crate::ast::Name;
 use crate::builtins::Builtin;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
@@ -38,6 +40,7 @@ impl Infer<'_, '_> {
             true => Vec::new(),
             false => std::mem::take(&mut finish.infer.unused),
         };
+        finish.notes();
         if finish.infer.table.is_full() || finish.infer.env.written.get() > MOST_WRITTEN {
             finish.report(
                 Diagnostic::error(codes::TOO_LARGE, expr.span, "the types in this program are too large")
@@ -130,6 +133,9 @@ impl Finish<'_, '_> {
     fn expr(&mut self, node: Node) -> Expr {
         let Node { kind, ty, span } = node;
         let ty = self.ty(ty, span);
+        if let Some(notes) = &self.infer.env.names.notes {
+            notes.borrow_mut().expression(span, &ty);
+        }
         let kind = match kind {
             Kind::Error => return error(span),
             Kind::Number(number) => ExprKind::Literal(self.literal(number, &ty, span)),
@@ -160,6 +166,7 @@ impl Finish<'_, '_> {
             Kind::StructFunction(id) => ExprKind::StructFunction(id),
             Kind::Field(base, name) => {
                 let base = self.boxed(*base);
+                self.note_field(&base.ty, &name, &ty);
                 match self.field(&base.ty, &name.text) {
                     Some(Part::Field(index)) => ExprKind::Field(base, index),
                     Some(Part::Swizzle(parts)) => ExprKind::Swizzle(base, parts),
@@ -199,11 +206,43 @@ impl Finish<'_, '_> {
         let mut updates = Vec::new();
         for (name, value) in fields {
             let value = self.expr(value);
+            self.note_field(&base.ty, &name, &value.ty);
             if let Some(Part::Field(index)) = self.field(&base.ty, &name.text) {
                 updates.push((index, value));
             }
         }
         Expr { kind: ExprKind::With(base, updates), ty, span }
+    }
+
+    /// What the names of this body mean, now that types are known.
+    fn notes(&mut self) {
+        let Some(notes) = &self.infer.env.names.notes else { return };
+        let mut notes = notes.borrow_mut();
+        let known = |ty: Ty| self.infer.table.export(ty).unwrap_or(Type::Error);
+        for &(span, meaning, ty) in &self.infer.noted {
+            notes.mention(span, meaning, known(ty));
+        }
+        if let Some(here) = &self.infer.here {
+            notes.here = Some(match here {
+                HereType::Value(names, built) => {
+                    let names = names.iter().map(|(name, ty)| (name.clone(), known(*ty)));
+                    Here::Value(names.collect(), *built)
+                }
+                HereType::Field(ty) => Here::Field(known(*ty)),
+                HereType::Pattern(ty) => Here::Pattern(known(*ty)),
+            });
+        }
+    }
+
+    fn note_field(&self, base: &Type, name: &Name, ty: &Type) {
+        let Some(notes) = &self.infer.env.names.notes else { return };
+        let mut notes = notes.borrow_mut();
+        if name.text == HERE {
+            notes.here = Some(Here::Field(base.clone()));
+        }
+        if let (Type::Struct(id, _), Some(Part::Field(index))) = (base, self.field(base, &name.text)) {
+            notes.mention(name.span, Meaning::Field(*id, index), ty.clone());
+        }
     }
 
     fn field(&self, base: &Type, name: &str) -> Option<Part> {

@@ -47,7 +47,7 @@ pub fn is_form(name: &str) -> bool {
     find(name).is_some()
 }
 
-pub fn names<'a>() -> impl Iterator<Item = &'a str> {
+pub fn names() -> impl Iterator<Item = &'static str> {
     FORMS.iter().map(|row| row.name)
 }
 

@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 
 use super::table::{Form, Origin, Ty};
 use super::tree::{Number, Pattern, PatternKind};
-use super::{Infer, Want};
+use super::{HereType, Infer, Want};
+use crate::analysis::notes::{HERE, Meaning};
 use crate::ast::{self, FieldPattern, Name, Rest};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
@@ -84,6 +85,7 @@ impl Infer<'_, '_> {
     fn name_pattern(&mut self, name: &str, span: Span, want: Want, bound: &Bound) -> PatternKind {
         match self.constructor(name) {
             Some(Value::Variant(id, index)) => {
+                self.note(span, Meaning::Variant(id, index), want.ty);
                 let declared = &self.env.module.enums[id.0 as usize];
                 let fields = declared.variants[index as usize].fields.len();
                 if fields > 0 {
@@ -100,6 +102,9 @@ impl Infer<'_, '_> {
                 PatternKind::Wild
             }
             _ => {
+                if name == HERE {
+                    self.here = Some(HereType::Pattern(want.ty));
+                }
                 let id = match bound.get(name) {
                     Some(id) => {
                         let local = &self.locals[id.0 as usize];
@@ -110,6 +115,7 @@ impl Infer<'_, '_> {
                     }
                     None => self.local(name, want.ty, span),
                 };
+                self.note_local(name, id, span);
                 self.scope.push(name, id);
                 PatternKind::Bind(id)
             }
@@ -162,7 +168,11 @@ impl Infer<'_, '_> {
         bound: &Bound,
     ) -> PatternKind {
         let module = self.env.module;
-        match self.constructor(&name.text) {
+        let constructor = self.constructor(&name.text);
+        if let Some(value) = constructor {
+            self.note(name.span, value.into(), want.ty);
+        }
+        match constructor {
             Some(Value::Struct(id)) => {
                 let declared = &module.structs[id.0 as usize];
                 let args = self.pattern_args(declared.generics.len(), span);
@@ -273,6 +283,7 @@ impl Infer<'_, '_> {
             let part = self.pattern_part(&field.pattern, Want::just(ty), bound);
             match (&field.name, index) {
                 (Some(n), Some(i)) => {
+                    self.note(n.span, Meaning::Field(id, i as u32), ty);
                     if parts[i].replace(part).is_some() {
                         let title = format!("the field `{}` is given twice", n.text);
                         self.report(Diagnostic::error(codes::DUPLICATE_FIELD, n.span, title));

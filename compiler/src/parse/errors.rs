@@ -109,7 +109,8 @@ impl Context<'_> {
         }
         let found_text = found.map_or("the end of the text".to_owned(), |lexeme| describe(&lexeme));
         let names = summarise(expected);
-        let before = self.end_before(start);
+        // At the end of the text the place is that of the last lexeme itself.
+        let before = self.end_before(if found.is_some() { start } else { end });
         if names == ["`;`"]
             || (names.contains(&"`;`".to_owned()) && names.len() <= 3 && starts_statement(found))
         {

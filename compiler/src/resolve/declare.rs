@@ -1,5 +1,6 @@
 //! Gives every item of every file its id and its stated types. Bodies are left to inference.
 
+use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
@@ -7,6 +8,7 @@ use super::load::{File, PRELUDE};
 use super::scope::{Scopes, TypeName, Value};
 use super::size::{MAX_WORDS, Sizes};
 use super::types::{Alias, AliasState, Names, Place, texts};
+use crate::analysis::notes::Notes;
 use crate::ast::{self, Item, Name, TypeKind};
 use crate::builtins::{Builtin, Scope as Visibility};
 use crate::diagnostic::Diagnostic;
@@ -24,8 +26,10 @@ pub struct Declared<'a> {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-pub fn declare(files: &[File]) -> Declared<'_> {
-    let names = Names { scopes: Scopes::new(files), ..Names::default() };
+/// Declares all items; `notes` takes what an editor may ask for.
+pub fn declare(files: &[File], notes: Option<Notes>) -> Declared<'_> {
+    let notes = notes.map(RefCell::new);
+    let names = Names { scopes: Scopes::new(files), notes, ..Names::default() };
     let mut declared = Declared {
         module: Module::default(),
         names,

@@ -2,7 +2,7 @@
 //! library modules it uses (the last `use` first), then the prelude's. Types and values live apart.
 
 use std::cell::RefCell;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::load::{File, PRELUDE};
 use crate::builtins::{Builtin, Scope as Visibility};
@@ -212,6 +212,32 @@ impl Scopes {
         self.reachable(file)
             .flat_map(|(_, s)| s.values.keys().map(String::as_str))
             .chain(builtins.map(|b| b.name()))
+    }
+
+    /// What a file can name without a module before it: values and types, the nearest meaning of each name.
+    pub fn visible_names(&self, file: usize) -> (BTreeMap<&str, Value>, BTreeMap<&str, TypeName>) {
+        let (mut values, mut types) = (BTreeMap::new(), BTreeMap::new());
+        for (at, scope) in self.reachable(file) {
+            let open = |name: &str| at == file || !is_private(name);
+            for (name, (value, _)) in scope.values.iter().filter(|(name, _)| open(name)) {
+                values.entry(name.as_str()).or_insert(*value);
+            }
+            for (name, (ty, _)) in scope.types.iter().filter(|(name, _)| open(name)) {
+                types.entry(name.as_str()).or_insert(*ty);
+            }
+        }
+        (values, types)
+    }
+
+    /// Built-ins that a file can name.
+    pub fn visible_builtins(&self, file: usize) -> impl Iterator<Item = Builtin> {
+        let scope = &self.0[file];
+        let visible = |builtin: &Builtin| match builtin.scope() {
+            Visibility::Everywhere => true,
+            Visibility::Terrain => scope.terrain,
+            Visibility::Library => scope.library,
+        };
+        Builtin::ALL.iter().copied().filter(visible)
     }
 
     pub fn type_names(&self, file: usize) -> impl Iterator<Item = &str> {

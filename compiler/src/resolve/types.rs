@@ -4,6 +4,7 @@ use std::cell::{Cell, RefCell};
 
 use super::scope::{Scopes, TypeName, Value};
 use super::size::MAX_NODES;
+use crate::analysis::notes::{HERE, Here, Meaning, Notes};
 use crate::ast::{self, ExprKind, Name, Operator, TypeKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
@@ -45,6 +46,8 @@ pub struct Names<'a> {
     pub consts: Vec<(usize, &'a ast::Const)>,
     /// Nodes of all types so far.
     pub written: Cell<u64>,
+    /// For editors.
+    pub notes: Option<RefCell<Notes>>,
 }
 
 /// Most nodes of the types of all items.
@@ -120,7 +123,9 @@ impl Names<'_> {
         let (expected, make): (usize, Make) = if let Some(i) = place.generics.iter().position(|g| g == name) {
             (0, Box::new(move |_| Type::Param(i as u32)))
         } else {
-            match self.scopes.type_name(place.file, name) {
+            let found = self.scopes.type_name(place.file, name);
+            self.note(place, name, found, span);
+            match found {
                 Some(TypeName::Struct(id)) => {
                     (self.structs[id.0 as usize], Box::new(move |args| Type::Struct(id, args)))
                 }
@@ -150,6 +155,18 @@ impl Names<'_> {
             return Type::Error;
         }
         make(args)
+    }
+
+    fn note(&self, place: Place, name: &str, found: Option<TypeName>, span: Span) {
+        let Some(notes) = &self.notes else { return };
+        let mut notes = notes.borrow_mut();
+        if name == HERE {
+            notes.here = Some(Here::Type(place.generics.to_vec()));
+        }
+        let Some(found) = found else { return };
+        let meaning = Meaning::of_type(found, |alias| self.aliases.borrow()[alias].written.name.span);
+        let start = span.start as usize;
+        notes.mention(Span::new(span.source, start, start + name.len()), meaning, Type::Error);
     }
 
     fn unknown_type(&self, place: Place, name: &str, span: Span) -> Diagnostic {

@@ -49,6 +49,15 @@ pub enum Command {
     /// Evaluate expressions and items as they are typed.
     #[command(after_help = "Example:\n  echo 'sum(0..10, |i| i * i)' | ghyll repl")]
     Repl(Repl),
+    /// Show the picture in a window, anew when the program's file changes.
+    #[command(
+        after_help = "The mouse turns the camera (left), moves it (right) and brings it nearer (wheel); H in the window lists the keys.\n\n\
+                            Example:\n  ghyll view lang-examples/fig9.ghyll --dem alps.tif"
+    )]
+    View(Box<View>),
+    /// Serve an editor: diagnostics, types, definitions, completion, formatting, names.
+    #[command(after_help = "The editor starts it; docs/editors.md says how to tell it to.")]
+    Lsp(Lsp),
     /// Print the stream s0, s1, .. round by round.
     #[command(after_help = "Example:\n  ghyll trace lang-examples/paper.ghyll")]
     Trace(Trace),
@@ -195,19 +204,9 @@ pub struct Terrain {
     pub exaggerate: f64,
 }
 
+/// Where a picture is seen from, and its sun.
 #[derive(Args)]
-pub struct Render {
-    /// Program; the built-in example if absent.
-    pub file: Option<PathBuf>,
-    #[command(flatten)]
-    pub program: Program,
-    #[command(flatten)]
-    pub machine: Machine,
-    #[command(flatten)]
-    pub terrain: Terrain,
-    /// Picture to write: .png, .jpg, .exr, .tif or .npy; float results go to .exr, .tif and .npy unscaled.
-    #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
-    pub output: PathBuf,
+pub struct Camera {
     /// Size in pixels.
     #[arg(long, value_name = "WxH", value_parser = dimensions, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
@@ -236,6 +235,23 @@ pub struct Render {
     /// Sun of a time (UTC), such as 2026-06-21T15:00Z, over the elevation data or another place: 2026-06-21T15:00Z@46.5,8.0.
     #[arg(long, value_name = "TIME[@LAT,LON]", conflicts_with = "sun")]
     pub sun_at: Option<String>,
+}
+
+#[derive(Args)]
+pub struct Render {
+    /// Program; the built-in example if absent.
+    pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub program: Program,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[command(flatten)]
+    pub terrain: Terrain,
+    /// Picture to write: .png, .jpg, .exr, .tif or .npy; float results go to .exr, .tif and .npy unscaled.
+    #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub camera: Camera,
     /// Lets heights fall off with the Earth's curvature; K is the part of it that refraction takes away.
     #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true, default_missing_value = "0.13",
           value_parser = refraction)]
@@ -341,6 +357,27 @@ pub struct Repl {
     pub dem: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
+}
+
+#[derive(Args)]
+pub struct View {
+    /// Program; the built-in example if absent.
+    pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub program: Program,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[command(flatten)]
+    pub terrain: Terrain,
+    #[command(flatten)]
+    pub camera: Camera,
+}
+
+#[derive(Args)]
+pub struct Lsp {
+    /// Speak over standard input and output, as is done without it: some editors say so.
+    #[arg(long)]
+    pub stdio: bool,
 }
 
 #[derive(Args)]

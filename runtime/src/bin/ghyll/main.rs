@@ -1,6 +1,19 @@
 //! `ghyll`, the command line: arguments, then one call. Values go to standard output, everything else to
 //! standard error. Exit status: 0 success, 1 the program or an input file is wrong, 2 wrong usage, 3 the run failed.
 
+/// As in the standard library, but for a standard error that takes nothing: that is no reason to panic. Declared before the
+/// modules, they hold in all of them.
+macro_rules! eprint {
+    ($($text:tt)*) => {
+        $crate::report::complain(format_args!($($text)*))
+    };
+}
+macro_rules! eprintln {
+    ($($text:tt)*) => {
+        $crate::report::complain(format_args!("{}\n", format_args!($($text)*)))
+    };
+}
+
 mod arguments;
 mod commands;
 mod failure;
@@ -23,6 +36,8 @@ fn main() -> ExitCode {
         Command::Explain(a) => commands::explain::explain(a),
         Command::Fmt(a) => commands::fmt::fmt(a),
         Command::Repl(a) => commands::repl::repl(a),
+        Command::View(a) => commands::view::view(a),
+        Command::Lsp(_) => commands::lsp::lsp(),
         Command::Trace(a) => commands::trace::trace(a),
         Command::Info(a) => commands::info::info(a),
         Command::Bench(a) => commands::bench::bench(a),

@@ -8,6 +8,7 @@ use ghyll_runtime::progress::{Progress, Step};
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::Write;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// A line of a value or report on standard output. A reader that has seen enough, such as `head`, is no failure.
@@ -28,6 +29,12 @@ pub fn write_bytes(bytes: &[u8]) {
     written(out.write_all(bytes).and_then(|()| out.flush()));
 }
 
+/// Text on standard error, as far as it takes any.
+pub fn complain(text: std::fmt::Arguments) {
+    // There is no better place to say that it takes none.
+    let _ = std::io::stderr().lock().write_fmt(text);
+}
+
 fn written(outcome: std::io::Result<()>) {
     if let Err(error) = outcome {
         let quiet = error.kind() == std::io::ErrorKind::BrokenPipe;
@@ -36,6 +43,15 @@ fn written(outcome: std::io::Result<()>) {
         }
         std::process::exit(if quiet { 0 } else { 3 });
     }
+}
+
+/// What `--json` prints of pictures that were written.
+pub fn wrote(files: &[PathBuf], (width, height): (u32, u32), seconds: f64, machine: &Machine) {
+    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let report = json!({
+        "files": files, "width": width, "height": height, "seconds": seconds, "machine": machine.describe(),
+    });
+    line!("{report}");
 }
 
 /// Prints statistics to standard error if they were asked for.

@@ -86,7 +86,8 @@ impl Built<'_> {
 pub fn build(arguments: &Build) -> Result<(), Failure> {
     let forms: Vec<&Form> =
         arguments.emit.iter().filter_map(|name| FORMS.iter().find(|form| form.name == name)).collect();
-    let binary = forms.iter().any(|form| form.name == "spirv");
+    let json = arguments.program.json;
+    let binary = forms.iter().any(|form| form.name == "spirv") && !json;
     if binary && arguments.output.is_none() && forms.len() > 1 {
         return Err(Failure::Usage(
             "SPIR-V is binary and cannot stand among texts: name a folder for the forms with -o FOLDER"
@@ -107,7 +108,11 @@ pub fn build(arguments: &Build) -> Result<(), Failure> {
     match &arguments.output {
         Some(output) => save(&arguments.file, output, &made),
         None => {
-            print(&made);
+            if json {
+                print_json(&made)
+            } else {
+                print(&made)
+            }
             Ok(())
         }
     }
@@ -124,6 +129,19 @@ fn print(made: &[(&Form, Vec<u8>)]) {
         }
         crate::report::line!("{}", String::from_utf8_lossy(bytes).trim_end());
     }
+}
+
+/// An object with the text of each form; SPIR-V as its words.
+fn print_json(made: &[(&Form, Vec<u8>)]) {
+    let value = |(form, bytes): &(&Form, Vec<u8>)| match form.name {
+        "spirv" => {
+            let words = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+            serde_json::Value::from(words.collect::<Vec<u32>>())
+        }
+        _ => String::from_utf8_lossy(bytes).into(),
+    };
+    let forms: serde_json::Map<_, _> = made.iter().map(|m| (m.0.name.to_owned(), value(m))).collect();
+    crate::report::line!("{}", serde_json::Value::Object(forms));
 }
 
 /// One form to a file, several into a folder, each under the program's name.

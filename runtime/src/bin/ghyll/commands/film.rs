@@ -4,7 +4,7 @@ use super::{in_range, options, refused, setting};
 use crate::arguments::Render;
 use crate::failure::Failure;
 use crate::moving::{mentions_t, with_t};
-use ghyll_compiler::argument::parse_arguments;
+use ghyll_compiler::argument::{parse_arguments, parse_expression};
 use ghyll_compiler::compile::{self, Compiled, EntryKind, Options};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::presets::Preset;
@@ -25,7 +25,17 @@ impl Film {
         if let Some(preset) = arguments.preset.as_deref().and_then(Preset::named) {
             take(preset, checked, &mut options);
         }
-        let Some([first, end]) = arguments.frames else { return Ok((None, options)) };
+        let Some([first, end]) = arguments.frames else {
+            let known = |name: &str| parse_expression(&checked.module, name).is_ok();
+            if let Some((name, value)) =
+                options.set.iter().find(|(_, value)| mentions_t(value)).filter(|_| !known("t"))
+            {
+                return Err(Failure::Usage(format!(
+                    "--set {name}={value} speaks of `t`, the number of a frame; give --frames A..B"
+                )));
+            }
+            return Ok((None, options));
+        };
         let mut moving = Vec::new();
         for text in &arguments.program.set {
             let (name, value) = setting(text)?;

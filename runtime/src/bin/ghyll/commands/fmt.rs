@@ -7,7 +7,6 @@ use crate::report::{line, write_bytes};
 use ghyll_compiler::diagnostic::{Diagnostic, Report};
 use ghyll_compiler::format::format;
 use ghyll_compiler::source::{Source, SourceId, Sources};
-use ghyll_runtime::files;
 use serde_json::json;
 use std::path::Path;
 
@@ -54,7 +53,7 @@ pub fn fmt(arguments: &Fmt) -> Result<(), Failure> {
 /// Formats one file, or standard input to standard output; says whether that changed anything.
 fn one(file: &Path, arguments: &Fmt) -> Result<bool, Failure> {
     let input = file.as_os_str() == "-";
-    let source = if input { files::input().map_err(Failure::Input)? } else { read(file)? };
+    let source = read(file)?;
     let formatted = format(SourceId(0), &source.text).map_err(|diagnostics| Failure::Diagnostics {
         report: report(&source, diagnostics),
         json: arguments.json,

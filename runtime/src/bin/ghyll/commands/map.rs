@@ -11,7 +11,7 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     writable(&arguments.output, false)?;
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Map))?;
-    let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
+    let asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("mapping on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
@@ -26,6 +26,10 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     map.save(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
     let (width, height) = (map.image().width, map.image().height);
     eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
+    if arguments.program.json {
+        let seconds = stats.total.as_secs_f64();
+        report::wrote(std::slice::from_ref(&arguments.output), (width, height), seconds, &machine);
+    }
     report::stats(&arguments.machine, &machine, &stats);
     Ok(())
 }

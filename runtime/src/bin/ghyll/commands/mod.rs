@@ -7,6 +7,7 @@ pub mod explain;
 mod film;
 pub mod fmt;
 pub mod info;
+pub mod lsp;
 mod machine;
 pub mod map;
 pub mod render;
@@ -14,6 +15,7 @@ pub mod repl;
 pub mod run;
 mod scene;
 pub mod trace;
+pub mod view;
 
 use crate::arguments;
 use crate::failure::{self, Failure};
@@ -29,9 +31,10 @@ use ghyll_runtime::machine::evaluate_argument;
 use ghyll_runtime::value::Value;
 use std::path::Path;
 
-/// Reads a program's text.
+/// Reads a program's text; `-` is standard input.
 fn read(path: &Path) -> Result<Source, Failure> {
-    files::source(path).map_err(Failure::Input)
+    let source = if path.as_os_str() == "-" { files::input() } else { files::source(path) };
+    source.map_err(Failure::Input)
 }
 
 /// A picture that cannot be written is known before it is computed.

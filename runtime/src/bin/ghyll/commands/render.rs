@@ -27,14 +27,15 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     let (film, options) = Film::new(&checked, arguments)?;
     let mut compiled = compiled_as(&checked, &arguments.program, &options)?;
     let first = film.as_ref().map(|film| film.frames.start);
-    let turn = |frame| film.as_ref().filter(|_| arguments.turntable).map_or(0.0, |film| film.turn(frame));
+    let turn = |frame| film.as_ref().filter(|_| arguments.turntable).map(|film| film.turn(frame));
+    let camera = &arguments.camera;
     let looks: Vec<_> = match &film {
         Some(film) => {
-            film.frames.clone().map(|t| scene::look(arguments, Some(t), turn(t))).collect::<Result<_, _>>()?
+            film.frames.clone().map(|t| scene::look(camera, Some(t), turn(t))).collect::<Result<_, _>>()?
         }
-        None => vec![scene::look(arguments, None, 0.0)?],
+        None => vec![scene::look(camera, None, None)?],
     };
-    let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
+    let asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
     let views = scene::Views::open(&asked, arguments, looks)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
@@ -102,6 +103,13 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
             };
             eprintln!("wrote {name} ({count} frames of {width}x{height}, {seconds:.2} s)");
         }
+    }
+    if arguments.program.json {
+        let files = match (&film, film_format) {
+            (Some(film), None) => film.frames.clone().map(|t| film.file(&arguments.output, t)).collect(),
+            _ => vec![arguments.output.clone()],
+        };
+        report::wrote(&files, size, seconds, &machine);
     }
     if let Some(stats) = last {
         report::stats(&arguments.machine, &machine, &stats);

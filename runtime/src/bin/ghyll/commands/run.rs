@@ -17,7 +17,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, json)?;
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Value))?;
     let args = self::arguments(&checked, &compiled, &arguments.args, json)?;
-    let asked = scene::Asked { checked: &checked, compiled: &compiled, on: arguments.machine.on };
+    let asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     machine::note_stand_in(&machine, &compiled)?;

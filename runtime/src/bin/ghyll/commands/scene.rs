@@ -1,6 +1,6 @@
 //! The scene, from arguments.
 
-use crate::arguments::{On, Reading, Render, Terrain as TerrainArguments};
+use crate::arguments::{Camera, On, Reading, Render, Terrain as TerrainArguments};
 use crate::failure::Failure;
 use crate::moving::Moving;
 use ghyll_compiler::compile::{Compiled, EntryKind};
@@ -60,12 +60,12 @@ pub fn of_terrain(asked: &Asked, arguments: &TerrainArguments) -> Result<Option<
 /// Camera and sun of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    view: View,
-    sun: Option<Sun>,
+    pub view: View,
+    pub sun: Option<Sun>,
 }
 
 /// What the arguments say of a frame; `turn` degrees are those of a turntable.
-pub fn look(arguments: &Render, frame: Option<i64>, turn: f64) -> Result<Look, Failure> {
+pub fn look(arguments: &Camera, frame: Option<i64>, turn: Option<f64>) -> Result<Look, Failure> {
     let usage = |message: &str| Failure::Usage(message.into());
     let at = |option: &str, moving: &Option<Moving>| match moving {
         Some(moving) => moving.at(option, frame).map(Some),
@@ -112,11 +112,11 @@ pub fn look(arguments: &Render, frame: Option<i64>, turn: f64) -> Result<Look, F
     if sun.is_some_and(|sun| sun.elevation.abs() > 90.0) {
         return Err(usage("the sun's elevation must lie between -90 and 90"));
     }
-    Ok(Look { view: if turn == 0.0 && !arguments.turntable { view } else { view.turned(turn) }, sun })
+    Ok(Look { view: turn.map_or(view, |turn| view.turned(turn)), sun })
 }
 
 /// Time and place of `--sun-at`.
-fn sun_at(text: &str, terrain: &Terrain) -> Result<Sun, Failure> {
+pub fn sun_at(text: &str, terrain: &Terrain) -> Result<Sun, Failure> {
     let wrong = |message: String| Failure::Usage(format!("--sun-at {text}: {message}"));
     let form =
         || wrong("expected a time in UTC, such as 2026-06-21T15:00Z or 2026-06-21T15:00Z@46.5,8.0".into());
@@ -153,13 +153,14 @@ pub struct Views {
 
 impl Views {
     pub fn open(asked: &Asked, arguments: &Render, looks: Vec<Look>) -> Result<Views, Failure> {
-        let panorama = arguments.view.as_deref() == Some("panorama");
-        let [width, height] = arguments.size.unwrap_or(if panorama { [2048, 1024] } else { [1024, 1024] });
+        let camera = &arguments.camera;
+        let panorama = camera.view.as_deref() == Some("panorama");
+        let [width, height] = camera.size.unwrap_or(if panorama { [2048, 1024] } else { [1024, 1024] });
         let size = (width, height);
         let exaggerate = arguments.terrain.exaggerate;
         let options = SceneOptions { view: looks[0].view, size, exaggerate, ..SceneOptions::default() };
         let first = asked.scene(&arguments.terrain, &options)?;
-        let sun = match (&arguments.sun_at, &first) {
+        let sun = match (&camera.sun_at, &first) {
             (Some(text), Some(scene)) => Some(sun_at(text, scene.terrain())?),
             _ => None,
         };
@@ -205,11 +206,21 @@ pub struct Asked<'a> {
     pub checked: &'a Checked,
     pub compiled: &'a Compiled,
     pub on: On,
+    /// The elevation data, if it was read already.
+    pub field: Option<Arc<Terrain>>,
 }
 
-impl Asked<'_> {
+impl<'a> Asked<'a> {
+    pub fn new(checked: &'a Checked, compiled: &'a Compiled, on: On) -> Asked<'a> {
+        Asked { checked, compiled, on, field: None }
+    }
+
     /// What is not looked at is not read.
-    fn scene(&self, arguments: &TerrainArguments, options: &SceneOptions) -> Result<Option<Scene>, Failure> {
+    pub fn scene(
+        &self,
+        arguments: &TerrainArguments,
+        options: &SceneOptions,
+    ) -> Result<Option<Scene>, Failure> {
         let module = &self.checked.module;
         let bindings = bindings(&arguments.rasters)?;
         let refused = |e: BindError| match e.is_usage() {
@@ -223,8 +234,11 @@ impl Asked<'_> {
             }
             return Ok(None);
         }
-        let terrain = terrain(arguments)?;
-        let scene = Scene::new(Arc::new(terrain), options).map_err(|e| Failure::Usage(e.to_string()))?;
+        let terrain = match &self.field {
+            Some(field) => field.clone(),
+            None => Arc::new(terrain(arguments)?),
+        };
+        let scene = Scene::new(terrain, options).map_err(|e| Failure::Usage(e.to_string()))?;
         let scene = match &arguments.micro {
             Some(file) => scene.with_micro(Arc::new(micro(file)?)),
             None => scene,

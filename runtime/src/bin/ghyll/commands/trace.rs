@@ -25,6 +25,8 @@ pub fn trace(arguments: &Trace) -> Result<(), Failure> {
     let back = &compiled.back;
     let first = stream::initial(&back.table, back.entry, &words);
     let mut last = first.clone();
+    let json = arguments.program.json;
+    let mut shown = Vec::new();
     let streams = stream::rounds(&back.table, first, &host, FUEL);
     for (at, stream) in streams.take(arguments.rounds).enumerate() {
         let stream = stream.map_err(|why| Failure::Run(explained(&why)))?;
@@ -34,8 +36,18 @@ pub fn trace(arguments: &Trace) -> Result<(), Failure> {
                 "the stream has grown to {tokens} tokens, too many to print; does the recursion end?"
             )));
         }
-        crate::report::line!("s{at}: {}", stream::print(&back.table, &stream));
+        let text = stream::print(&back.table, &stream);
+        match json {
+            true => shown.push(text.split_whitespace().map(str::to_owned).collect::<Vec<_>>()),
+            false => crate::report::line!("s{at}: {text}"),
+        }
         last = stream;
+    }
+    if json {
+        crate::report::line!(
+            "{}",
+            serde_json::json!({ "streams": shown, "finished": stream::is_normal(&last) })
+        );
     }
     if stream::is_normal(&last) {
         return Ok(());

@@ -219,7 +219,7 @@ fn state_page(with_left: bool, with_right: bool) -> u32 {
 fn suspend() -> u32 {
     if (invoke != NO_TASK) {
         // The task was popped or emitted without taking a word, so there is room for it.
-        later(invoke);
+        push_right(invoke);
         invoke = NO_TASK;
     }
     if (left > 0u) {

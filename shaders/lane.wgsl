@@ -41,7 +41,8 @@ fn run_burst() {
             pop_segment();
         }
         if (invoke != NO_TASK) {
-            if (fuel <= stop_fuel || left < arity(invoke) || left + right > ROOM) {
+            let operands = arity(invoke);
+            if (fuel <= stop_fuel || left < operands || left + right > ROOM) {
                 break;
             }
             let task = invoke;
@@ -50,6 +51,7 @@ fn run_burst() {
             invoke = NO_TASK;
             fuel -= 1;
             rewritten += 1u;
+            take_hand(operands);
             rewrite_any(task);
             if (exhausted) {
                 left = old_left;
@@ -58,6 +60,7 @@ fn run_burst() {
                 rewritten -= 1u;
                 break;
             }
+            lay_hand();
         }
     }
 }

@@ -30,10 +30,10 @@ fn draw() -> bool {
     let y = (tile / tiles) * 8u + (index / 8u) % 8u;
     left = 0u;
     if (x < params.width && y < params.height) {
-        literal(y * params.width + x);
-        literal(bitcast<u32>(f32(x) + params.point_x));
-        literal(bitcast<u32>(f32(y) + params.point_y));
-        later(TASKS);
+        push_left(y * params.width + x);
+        push_left(bitcast<u32>(f32(x) + params.point_x));
+        push_left(bitcast<u32>(f32(y) + params.point_y));
+        push_right(TASKS);
         invoke = params.entry;
     }
     return true;

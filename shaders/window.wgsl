@@ -1,5 +1,5 @@
 // A lane's window: literals already produced on the left, tokens still to be looked at on the right. The generated
-// functions see the stream through this file only.
+// functions see the stream through the hand (`hand_window.wgsl`, or registers) only.
 //
 // The right stack holds segments `[literals, last one deepest .., header]`, header = task | count << 16 on top, so
 // that popping one yields its literals in stream order and then its task.
@@ -20,24 +20,18 @@ fn slot(index: u32) -> u32 {
     return SLOT;
 }
 
-fn consume(n: u32) {
-    left -= n;
-}
-
-fn operand(index: u32) -> u32 {
-    return window[slot(left + index)];
-}
-
-fn literal(word: u32) {
-    GUARD
+// Words for the stacks from elsewhere than a task.
+fn push_left(word: u32) {
     window[slot(left)] = word;
     left += 1u;
 }
 
-fn later(word: u32) {
+fn push_right(word: u32) {
     right += 1u;
     window[slot(WINDOW - right)] = word;
 }
+
+HAND
 
 fn live_word(index: u32) -> u32 {
     return tables[TASKS + 1u + index];

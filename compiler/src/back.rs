@@ -108,6 +108,7 @@ mod tests {
     use crate::interpret::{self, Stopped};
     use crate::random::{Random, TestHost, program};
     use crate::stream::{initial, rounds, values};
+    use crate::table::Widths;
 
     const FUEL: u64 = 200_000;
 
@@ -198,7 +199,9 @@ mod tests {
     #[test]
     fn stats_count_what_the_table_has() {
         let source = parse::program(crate::split::tests::FIB).expect("parses");
-        let stats = stats(&back(source).table);
+        let table = back(source).table;
+        assert_eq!(table.widths(), Widths { first: 2, later: 3, segment: 1 });
+        let stats = stats(&table);
         assert_eq!((stats.tasks, stats.helpers, stats.longest_arity, stats.longest_emission), (2, 0, 2, 5));
         let fib = Rewrite { task: "fib".into(), arity: 1, emissions: vec![(1, 0), (2, 3)] };
         assert_eq!(stats.rewrites[0], fib);

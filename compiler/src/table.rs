@@ -24,6 +24,57 @@ pub enum Token<L> {
 /// Tokens that replace a call, in stream (post) order.
 pub type Emission = Vec<Token<Atom>>;
 
+/// A function token with the literals before it; at an emission's end, literals without one.
+pub type Segment = (Vec<Atom>, Option<TaskId>);
+
+/// The segments of an emission, at least one.
+pub fn segments(emission: &Emission) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    let mut literals = Vec::new();
+    for token in emission {
+        match token {
+            Token::Literal(atom) => literals.push(*atom),
+            Token::Function(id) => segments.push((std::mem::take(&mut literals), Some(*id))),
+        }
+    }
+    if segments.is_empty() || !literals.is_empty() {
+        segments.push((literals, None));
+    }
+    segments
+}
+
+/// How many words the longest emissions put on a lane's window (`docs/design.md`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Widths {
+    /// Literals of a first segment, which go to the left stack.
+    pub first: u32,
+    /// Words of all further segments, a header each, which go to the right stack.
+    pub later: u32,
+    /// Literals of one further segment.
+    pub segment: u32,
+}
+
+impl Widths {
+    fn of(emission: &Emission) -> Widths {
+        let segments = segments(emission);
+        let literals = |segment: &Segment| segment.0.len() as u32;
+        let further = &segments[1..];
+        Widths {
+            first: literals(&segments[0]),
+            later: further.iter().map(|segment| literals(segment) + 1).sum(),
+            segment: further.iter().map(literals).max().unwrap_or(0),
+        }
+    }
+
+    fn max(self, other: Widths) -> Widths {
+        Widths {
+            first: self.first.max(other.first),
+            later: self.later.max(other.later),
+            segment: self.segment.max(other.segment),
+        }
+    }
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Tail {
     Emit(Emission),
@@ -110,5 +161,11 @@ impl Table {
 
     pub fn longest_emission(&self) -> u32 {
         self.tasks.iter().map(Task::longest_emission).max().unwrap_or(0)
+    }
+
+    pub fn widths(&self) -> Widths {
+        // Without fuel a task emits itself.
+        let own = Widths { first: self.longest_arity(), ..Widths::default() };
+        self.tasks.iter().flat_map(Task::emissions).map(Widths::of).fold(own, Widths::max)
     }
 }

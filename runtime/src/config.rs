@@ -84,3 +84,16 @@ pub struct Stats {
     /// The whole run.
     pub total: Duration,
 }
+
+impl Stats {
+    /// The stages of all rounds with their times. None on the GPU, where they run in one submission, and without rounds.
+    pub fn stages(&self) -> Option<[(&'static str, Duration); 4]> {
+        let stages = [
+            ("decode", self.decode),
+            ("execute", self.execute),
+            ("allocate", self.allocate),
+            ("splice", self.splice),
+        ];
+        stages.iter().any(|(_, time)| !time.is_zero()).then_some(stages)
+    }
+}

@@ -336,6 +336,7 @@ fn code(back: &Back, entry: &str) -> gpu::Code {
         fused: back.wgsl.fused,
         arities: tasks.iter().map(|t| t.arity()).collect(),
         longest_emission: back.table.longest_emission(),
+        widths: back.table.widths(),
         names: tasks.iter().map(|t| t.function.clone()).chain([entry.to_owned()]).collect(),
         live_words: back.core.live.iter().map(|(_, scalars)| scalars.len() as u32).sum(),
         ..gpu::Code::default()

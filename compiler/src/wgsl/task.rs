@@ -4,7 +4,7 @@ use super::Needs;
 use super::body::{Writer, spends_fuel};
 use super::expression::{from_word, to_word};
 use crate::core::{Atom, Scalar, Var};
-use crate::table::{Emission, Table, Tail, TailBlock, Task, TaskId, Token};
+use crate::table::{Emission, Table, Tail, TailBlock, Task, TaskId, Token, segments};
 
 /// Header of a segment that has no function: literals at the end of an emission.
 const NO_FUNCTION: u32 = 0xffff;
@@ -142,22 +142,13 @@ pub fn word(writer: &mut Writer, atom: Atom) -> String {
 
 /// The first segment goes to the left stack and is invoked; the others go to the right stack, last one first.
 fn emission(writer: &mut Writer, emission: &Emission) {
-    let mut segments: Vec<(Vec<Atom>, u32)> = Vec::new();
-    let mut literals = Vec::new();
-    for token in emission {
-        match token {
-            Token::Literal(atom) => literals.push(*atom),
-            Token::Function(id) => segments.push((std::mem::take(&mut literals), id.0)),
-        }
-    }
-    if segments.is_empty() || !literals.is_empty() {
-        segments.push((literals, NO_FUNCTION));
-    }
+    let segments = segments(emission);
     for (literals, task) in segments[1..].iter().rev() {
         for literal in literals.iter().rev() {
             let word = word(writer, *literal);
             writer.line(&format!("later({word});"));
         }
+        let task = task.map_or(NO_FUNCTION, |id| id.0);
         writer.line(&format!("later({}u);", task | (literals.len() as u32) << 16));
     }
     let (literals, task) = &segments[0];
@@ -165,7 +156,7 @@ fn emission(writer: &mut Writer, emission: &Emission) {
         let word = word(writer, *literal);
         writer.line(&format!("literal({word});"));
     }
-    let task = if *task == NO_FUNCTION { "NO_TASK".to_string() } else { format!("{task}u") };
+    let task = task.map_or("NO_TASK".to_string(), |id| format!("{}u", id.0));
     writer.line(&format!("invoke = {task};"));
 }
 

@@ -3,6 +3,8 @@
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
+use ghyll_compiler::table::Widths;
+
 /// A compiled program. The WGSL functions are written for the window that `shaders/window.wgsl` declares.
 #[derive(Clone, Debug, Default)]
 pub struct Code {
@@ -15,6 +17,8 @@ pub struct Code {
     pub arities: Vec<u32>,
     /// The most tokens that one rewrite emits.
     pub longest_emission: u32,
+    /// How many words of it go where.
+    pub widths: Widths,
     /// The source function of each task, for messages; then the entry's, to blame where no task is known.
     pub names: Vec<String>,
     /// WGSL of the scene: declarations of group 1 and intrinsics.

@@ -17,6 +17,7 @@ mod device;
 mod engine;
 mod error;
 mod fuel;
+mod hand;
 mod image;
 mod layout;
 mod pipelines;

@@ -195,6 +195,10 @@ impl Engine {
             if cold {
                 job.preparing += time;
             }
+            if job.latest == NO_TASK && self.check_limits(job).is_err() {
+                // Lanes of little depth are never cut short: what comes next in the stream is to blame.
+                job.latest = self.first_function(state)?;
+            }
             self.check_limits(job)?;
             if state.flags & FLAG_EXHAUSTED != 0 && state.idle > 0 {
                 let time = if cold { Duration::ZERO } else { time / rounds };

@@ -1,6 +1,7 @@
 //! Assembles the kernels from `shaders/` and the generated functions.
 
 use super::code::Code;
+use super::hand;
 use super::shape::{Shape, Windows};
 use super::template::fill;
 use crate::config::Config;
@@ -105,11 +106,9 @@ fn window(shape: &Shape) -> Result<String, RunError> {
         Windows::Private => ("var<private> window: array<u32, WINDOW>;", "index"),
         Windows::Workgroup => ("var<workgroup> window: array<u32, LANES * WINDOW>;", "index * LANES + lane"),
     };
-    let guard = if shape.can_exhaust { "if (exhausted) {\n        return;\n    }" } else { "" };
     let text = fill(&fill(WINDOW, "MEMORY", memory)?, "SLOT", slot)?;
-    let text = fill(&text, "GUARD", guard)?;
-    // The longest segment: all of an emission but its first token, a task without operands.
-    fill(&text, "MOVES", &moves(shape.emission.saturating_sub(1)))
+    let text = fill(&text, "HAND", &hand::functions(shape)?)?;
+    fill(&text, "MOVES", &moves(shape.segment))
 }
 
 /// The whole WGSL of a kernel.

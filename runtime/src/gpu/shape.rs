@@ -1,6 +1,7 @@
 //! All sizes of the rewriter, derived from the program and the adapter.
 
 use super::code::Code;
+use super::hand::Hand;
 use crate::config::{Config, Rewriter};
 use crate::error::RunError;
 
@@ -30,6 +31,10 @@ pub struct Shape {
     pub group: u32,
     /// Longest emission, the runtime's own tasks included.
     pub emission: u32,
+    /// Most literals of a segment of the right stack.
+    pub segment: u32,
+    /// None if tasks work in the window itself.
+    pub hand: Option<Hand>,
     /// The compiler's tasks.
     pub tasks: u32,
     /// Words of a pixel; 0 without an image.
@@ -69,6 +74,8 @@ impl Shape {
             lanes: if software { 8 } else { 32 },
             group: if software { 8 } else { 32 },
             emission,
+            segment: code.widths.segment,
+            hand: Hand::new(code, arity),
             tasks: code.arities.len() as u32,
             components,
             burst: 64,

@@ -33,7 +33,7 @@ pub fn allocate(queue: &[Record], outputs: &[Output], length: u64, room: u64) ->
     let mut places = places(outputs);
     let mut length = length;
     let mut grant = |record: &Record| {
-        let place = places.next()?;
+        let place = places.next().flatten()?;
         let before = (record.redex.to - record.redex.from) as u64;
         let after = (place.to - place.from) as u64;
         let granted = after <= before || length + after - before <= room;
@@ -46,11 +46,12 @@ pub fn allocate(queue: &[Record], outputs: &[Output], length: u64, room: u64) ->
     Allocation { grants, length }
 }
 
-/// The ranges of all records' tokens, in the queue's order.
-fn places(outputs: &[Output]) -> impl Iterator<Item = Grant> + '_ {
+/// The ranges of all records' tokens, in the queue's order; none for those that were left for later.
+fn places(outputs: &[Output]) -> impl Iterator<Item = Option<Grant>> + '_ {
     outputs.iter().enumerate().flat_map(|(output, part)| {
         let starts = std::iter::once(0).chain(part.ends.iter().copied());
-        starts.zip(&part.ends).map(move |(from, to)| Grant { output, from, to: *to })
+        let done = starts.zip(&part.ends).map(move |(from, to)| Some(Grant { output, from, to: *to }));
+        done.chain(std::iter::repeat_n(None, part.left))
     })
 }
 
@@ -74,5 +75,11 @@ mod tests {
         let some = allocate(&queue, &outputs, 6, 9);
         assert_eq!(some.grants.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false, true]);
         assert_eq!(some.length, 7);
+        let [mut all] = outputs;
+        (all.ends, all.left) = (vec![4], 1);
+        let second = Output { ends: vec![0], ..Output::default() };
+        let later = allocate(&queue, &[all, second], 6, 100).grants;
+        let grant = |output, to| Some(Grant { output, from: 0, to });
+        assert_eq!(later, [grant(0, 4), None, grant(1, 0)]);
     }
 }

@@ -3,6 +3,9 @@
 use super::code::Code;
 use super::tokens::Tokens;
 
+/// Function tokens between two looks at the clock.
+const LOOK: usize = 1 << 16;
+
 /// A function token with its operands, all of them literals, and the region of the stream that goes with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Redex {
@@ -28,12 +31,23 @@ pub fn arity(code: &Code, task: u32, components: u32) -> usize {
 }
 
 /// With `regions`, a redex takes along the literals before it and the tokens up to the next redex's: what waits for
-/// its result is then in the same window. Without, it is the call alone, as in the paper.
-pub fn decode(code: &Code, components: u32, regions: bool, tokens: Tokens) -> Pair {
+/// its result is then in the same window. Without, it is the call alone, as in the paper. Those beyond the first `most`
+/// are left for later.
+pub fn decode(
+    code: &Code,
+    components: u32,
+    regions: bool,
+    most: usize,
+    tokens: Tokens,
+    is_over: impl Fn() -> bool,
+) -> Pair {
     let mut redexes: Vec<Redex> = Vec::new();
     // Literals since the last function token.
     let mut run = 0;
-    for at in tokens.functions_in(0, tokens.len()) {
+    for (step, at) in tokens.functions_in(0, tokens.len()).enumerate() {
+        if step % LOOK == LOOK - 1 && is_over() {
+            break;
+        }
         let task = tokens.words()[at];
         if let Some(first) = at.checked_sub(arity(code, task, components))
             && tokens.all_literals(first, at)
@@ -41,6 +55,9 @@ pub fn decode(code: &Code, components: u32, regions: bool, tokens: Tokens) -> Pa
             match redexes.last_mut() {
                 Some(before) if regions => before.to = run,
                 _ => {}
+            }
+            if redexes.len() >= most {
+                break;
             }
             let (from, to) = if regions { (run, tokens.len()) } else { (first, at + 1) };
             redexes.push(Redex { from, at, task, to });
@@ -68,9 +85,13 @@ mod tests {
         tokens.push_function(0);
         tokens.push_function(1);
         tokens.push_literals(&[4]);
-        let alone = decode(&code, 0, false, tokens.clone()).redexes;
+        let alone = decode(&code, 0, false, 9, tokens.clone(), || false).redexes;
         assert_eq!(alone.iter().map(|r| (r.from, r.at, r.to)).collect::<Vec<_>>(), [(1, 2, 3), (5, 6, 7)]);
-        let shared = decode(&code, 0, true, tokens).redexes;
-        assert_eq!(shared.iter().map(|r| (r.from, r.at, r.to)).collect::<Vec<_>>(), [(0, 2, 4), (4, 6, 9)]);
+        let shared = |most| {
+            let found = decode(&code, 0, true, most, tokens.clone(), || false).redexes;
+            found.iter().map(|r| (r.from, r.at, r.to)).collect::<Vec<_>>()
+        };
+        assert_eq!(shared(9), [(0, 2, 4), (4, 6, 9)]);
+        assert_eq!(shared(1), [(0, 2, 4)], "what is the next one's stays its own");
     }
 }

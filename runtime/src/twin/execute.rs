@@ -1,6 +1,8 @@
 //! Stage execute: lanes draw redexes from the queue, rewrite each up to `depth` times in a window of their own, and
 //! publish what is left of it.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use rayon::prelude::*;
 
 use super::decode::{Pair, Redex};
@@ -22,6 +24,8 @@ pub struct Output {
     pub tokens: Tokens,
     /// Where each record's tokens end.
     pub ends: Vec<usize>,
+    /// Records at the end of the part that were left for later.
+    pub left: usize,
     /// Components of a pixel.
     pub components: u32,
     /// Pixels that were taken from the stream: index, components.
@@ -36,7 +40,8 @@ pub fn queue(pairs: &[Pair]) -> Vec<Record> {
     pairs.iter().enumerate().flat_map(of_pair).collect()
 }
 
-/// Outputs for `part` records each, in the queue's order.
+/// Outputs for `part` records each, in the queue's order. One record may use all memory; of several, those that begin
+/// when little is left are left for later.
 pub fn execute(
     pool: &Pool,
     pairs: &[Pair],
@@ -44,18 +49,32 @@ pub fn execute(
     (depth, part): (u64, usize),
     components: u32,
 ) -> Result<Vec<Output>, RunError> {
+    let floor = if queue.len() > 1 { pool.limits.free_memory() / 4 } else { 0 };
+    let made = AtomicU64::new(0);
     let run = |records: &[Record]| {
         pool.with(|machine| {
+            machine.leave_free(floor);
             let mut output = Output { components, ..Output::default() };
             let function = records.first().map_or("", |r| pool.code.function(r.redex.task));
             pool.limits.check_clock(function)?;
-            for record in records {
+            for (index, record) in records.iter().enumerate() {
+                if pool.limits.free_memory() < floor {
+                    output.left = records.len() - index;
+                    break;
+                }
+                let before = output.tokens.bytes();
                 rewrite(machine, &pairs[record.pair].tokens, record.redex, depth, &mut output)?;
+                let more = output.tokens.bytes() - before;
+                made.fetch_add(more, Relaxed);
+                pool.limits.take(more);
             }
             Ok(output)
         })
     };
-    queue.par_chunks(part).map(run).collect()
+    let outputs = queue.par_chunks(part).map(run).collect();
+    // What is granted of them is charged as the stream's.
+    pool.limits.release(made.into_inner());
+    outputs
 }
 
 fn rewrite(

@@ -16,6 +16,7 @@ const TILE: u32 = 8;
 /// Rewrites a whole stream in one window.
 pub fn value(pool: &Pool, stream: &Tokens) -> Result<Vec<u32>, RunError> {
     pool.with(|machine| {
+        machine.leave_free(0);
         machine.begin_stream(stream);
         match machine.run(u64::MAX)? {
             Stop::Normal => Ok(machine.literals().to_vec()),

@@ -107,6 +107,12 @@ impl Limits {
         Err(self.out_of_memory(wanted, function))
     }
 
+    /// Counts bytes that are taken whether they are free or not.
+    pub fn take(&self, bytes: u64) {
+        let taken = self.memory.fetch_add(bytes, Relaxed) + bytes;
+        self.peak.fetch_max(taken.min(self.max_memory), Relaxed);
+    }
+
     pub fn release(&self, bytes: u64) {
         self.memory.fetch_sub(bytes, Relaxed);
     }

@@ -19,6 +19,8 @@ type Result<T> = std::result::Result<T, RunError>;
 const SLICE: u64 = 4096;
 /// Iterations of fused loops between two looks at the clock.
 const TICKS: u32 = 1 << 16;
+/// Segments between two looks at the clock while a window is filled or published.
+const LOOK: u32 = 1 << 16;
 /// Operands and results of an intrinsic.
 const MOST_WORDS: usize = 16;
 
@@ -51,6 +53,8 @@ pub struct Machine<'r> {
     ticks: u32,
     /// Bytes charged for the stacks.
     held: u64,
+    /// Free memory below which the lane stops.
+    floor: u64,
 }
 
 impl<'r> Machine<'r> {
@@ -75,7 +79,13 @@ impl<'r> Machine<'r> {
             fuel: 0,
             ticks: TICKS,
             held: 0,
+            floor: 0,
         }
+    }
+
+    /// Makes the lane stop early, as if out of fuel, where less memory than this is free.
+    pub fn leave_free(&mut self, bytes: u64) {
+        self.floor = bytes;
     }
 
     /// Empties the window, then holds a redex and its region.
@@ -92,18 +102,20 @@ impl<'r> Machine<'r> {
         self.segments(tokens, 0, tokens.len());
     }
 
-    /// Puts tokens `from..to` on the right stack.
+    /// Puts tokens `from..to` on the right stack. A long stream is left incomplete when the run is over.
     fn segments(&mut self, tokens: &Tokens, from: usize, to: usize) {
         let words = tokens.words();
-        let mut functions: Vec<usize> = tokens.functions_in(from, to).collect();
         let (mut end, mut task) = (to, NO_TASK);
-        loop {
-            let before = functions.pop();
+        for step in 0u32.. {
+            let before = tokens.last_function(from, end);
             let literals = &words[before.map_or(from, |at| at + 1)..end];
             if task != NO_TASK || !literals.is_empty() {
                 self.segment(literals, task);
             }
             let Some(at) = before else { return };
+            if step % LOOK == LOOK - 1 && self.limits.is_over() {
+                return;
+            }
             (end, task) = (at, words[at]);
         }
     }
@@ -152,12 +164,13 @@ impl<'r> Machine<'r> {
         Some((*index, components.to_vec()))
     }
 
-    /// Writes the window as tokens: left, the function to come, right.
+    /// Writes the window as tokens: left, the function to come, right. Not all of a long window when the run is over.
     pub fn publish(&mut self, out: &mut Tokens) {
         out.push_literals(&self.left);
         if self.invoke != NO_TASK {
             out.push_function(self.invoke);
         }
+        let mut step = 0;
         while let Some(word) = self.right.pop() {
             let (task, count) = (word & 0xffff, (word >> 16) as usize);
             let start = self.right.len().saturating_sub(count);
@@ -165,6 +178,10 @@ impl<'r> Machine<'r> {
             self.right.truncate(start);
             if task != NO_TASK {
                 out.push_function(task);
+            }
+            step += 1;
+            if step % LOOK == 0 && self.limits.is_over() {
+                break;
             }
         }
         self.clear();
@@ -184,7 +201,9 @@ impl<'r> Machine<'r> {
             self.limits.spend(spent, function)?;
             self.charge(function)?;
             match stop? {
-                Stop::Fuel if left > 0 => self.limits.check_clock(function)?,
+                Stop::Fuel if left > 0 && self.limits.free_memory() >= self.floor => {
+                    self.limits.check_clock(function)?;
+                }
                 stop => return Ok(stop),
             }
         }
@@ -202,10 +221,13 @@ impl<'r> Machine<'r> {
 
     fn charge(&mut self, function: &str) -> Result<()> {
         let bytes = 4 * (self.left.capacity() + self.right.capacity()) as u64;
-        if bytes != self.held {
+        if self.floor > 0 && bytes > self.held {
+            // One of several lanes stops soon after rather than end the run.
+            self.limits.take(bytes - self.held);
+        } else if bytes != self.held {
             self.limits.hold(self.held, bytes, function)?;
-            self.held = bytes;
         }
+        self.held = bytes;
         Ok(())
     }
 

@@ -32,8 +32,8 @@ pub fn fresh(tokens: Tokens, block: usize) -> Vec<Block> {
 pub struct Part {
     pub first: Block,
     pub second: Option<Block>,
-    /// Its place among the pairs that have redexes.
-    pub pair: Option<usize>,
+    /// Whether it is one of the pairs that have redexes.
+    pub open: bool,
 }
 
 impl Part {
@@ -56,7 +56,22 @@ impl Part {
         }
     }
 
-    pub fn tokens(&self) -> Tokens {
+    /// All its tokens, which are not copied where there is one block: [`Part::give_back`] returns them.
+    pub fn take_tokens(&mut self) -> Tokens {
+        match &self.second {
+            None => std::mem::take(&mut self.first.tokens),
+            Some(_) => self.joined(),
+        }
+    }
+
+    /// Returns what [`Part::take_tokens`] took.
+    pub fn give_back(&mut self, tokens: Tokens) {
+        if self.second.is_none() {
+            self.first.tokens = tokens;
+        }
+    }
+
+    fn joined(&self) -> Tokens {
         let mut tokens = self.first.tokens.clone();
         if let Some(second) = &self.second {
             tokens.extend(&second.tokens, 0, second.tokens.len());
@@ -80,7 +95,8 @@ impl Part {
     /// Its blocks as they are, or evened out.
     pub fn keep(self, block: usize) -> Vec<Block> {
         if !self.is_even(block) {
-            return fresh(self.tokens(), block);
+            let tokens = if self.second.is_none() { self.first.tokens } else { self.joined() };
+            return fresh(tokens, block);
         }
         std::iter::once(self.first).chain(self.second).collect()
     }
@@ -91,10 +107,10 @@ pub fn pair_up(order: Vec<Block>, odd: bool) -> Vec<Part> {
     let mut parts = Vec::with_capacity(order.len() / 2 + 1);
     let mut order = order.into_iter().map(|block| Block { fresh: false, ..block });
     if odd && let Some(first) = order.next() {
-        parts.push(Part { first, second: None, pair: None });
+        parts.push(Part { first, second: None, open: false });
     }
     while let Some(first) = order.next() {
-        parts.push(Part { first, second: order.next(), pair: None });
+        parts.push(Part { first, second: order.next(), open: false });
     }
     parts
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::allocate::{self, Allocation, Grant, TOKEN_BYTES, allocate};
-use super::decode::{Pair, decode};
+use super::decode::{Pair, Redex, decode};
 use super::execute::{Output, Record, execute, queue};
 use super::order::{Block, Part, fresh, join, pair_up};
 use super::pool::Pool;
@@ -22,6 +22,13 @@ const LAST_RESORT: u64 = 1 << 24;
 /// Pairs that are done sooner by one thread than shared out.
 const FEW: usize = 8;
 
+/// Most redexes of a round, and the pairs that are decoded before they are counted.
+const MOST_REDEXES: u64 = 1 << 20;
+const BATCH: usize = 1024;
+
+/// What a redex takes beside its tokens.
+const REDEX_BYTES: usize = size_of::<Redex>() + size_of::<Record>() + size_of::<Option<Grant>>();
+
 pub struct Rounds<'p, 'r> {
     pool: &'p Pool<'r>,
     schedule: Schedule,
@@ -32,6 +39,8 @@ pub struct Rounds<'p, 'r> {
     order: Vec<Block>,
     /// Whether the first block stays alone in the next round.
     odd: bool,
+    /// Tokens in a block of the last round.
+    cut: usize,
     /// Rounds since the last one that found a redex.
     idle: u32,
     /// Bytes charged for the stream.
@@ -52,7 +61,20 @@ impl<'p, 'r> Rounds<'p, 'r> {
         let block = block.max(2 * (longest + 1)) as usize;
         let stats = Stats::default();
         let (order, function) = (Vec::new(), "");
-        Rounds { pool, schedule, block, components, order, odd: false, idle: 0, held: 0, function, stats }
+        let cut = block;
+        Rounds {
+            pool,
+            schedule,
+            block,
+            components,
+            order,
+            odd: false,
+            cut,
+            idle: 0,
+            held: 0,
+            function,
+            stats,
+        }
     }
 
     /// Rewrites `stream` to its normal form and calls `observe` with every stream on the way.
@@ -81,9 +103,11 @@ impl<'p, 'r> Rounds<'p, 'r> {
     fn round(&mut self, store: &mut Store) -> Result<bool, RunError> {
         let clock = Instant::now();
         let length: u64 = self.order.iter().map(|b| b.tokens.len() as u64).sum();
-        let (parts, mut pairs) = self.load();
+        let most = self.most_redexes();
+        let (parts, mut pairs) = self.load(most);
         let mut records = queue(&pairs);
-        self.limit_queue(&mut pairs, &mut records);
+        let mut limited = records.len() >= most;
+        keep_first(most, &mut pairs, &mut records);
         lap(clock, &mut self.stats.decode);
         // Where the stream doubles, a single round takes as long as all before it.
         if let Some(first) = records.first() {
@@ -92,7 +116,7 @@ impl<'p, 'r> Rounds<'p, 'r> {
         let function = self.function;
         self.pool.limits.check_clock(function)?;
 
-        let mut depth = self.schedule.depth(records.len());
+        let mut depth = self.schedule.depth(records.len(), length);
         let (outputs, Allocation { grants, length }) = loop {
             let (mut outputs, allocation) = self.rewrite(&pairs, &records, length, depth)?;
             if records.is_empty() || allocation.grants.iter().any(Option::is_some) {
@@ -108,12 +132,16 @@ impl<'p, 'r> Rounds<'p, 'r> {
             }
             depth = depth.saturating_mul(16).min(LAST_RESORT);
             keep_first(1, &mut pairs, &mut records);
+            limited = true;
         };
         self.charge(length, function)?;
 
         let clock = Instant::now();
-        let block = self.schedule.block(self.block, length as usize, records.len());
-        let moved = self.write(parts, &pairs, (&grants, &outputs), block);
+        // Few redexes tell nothing of the stream if they are not all.
+        if !limited {
+            self.cut = self.schedule.block(self.block, length as usize, records.len());
+        }
+        let moved = self.write(parts, pairs, (&grants, &outputs), self.cut);
         lap(clock, &mut self.stats.splice);
 
         self.odd = !self.odd;
@@ -163,26 +191,36 @@ impl<'p, 'r> Rounds<'p, 'r> {
         Ok(true)
     }
 
-    /// Decodes the pairs that may have redexes; those that have some.
-    fn load(&mut self) -> (Vec<Part>, Vec<Pair>) {
+    /// Decodes the pairs that may have redexes, up to about `most`; those that have some.
+    fn load(&mut self, most: usize) -> (Vec<Part>, Vec<Pair>) {
         let mut parts = pair_up(std::mem::take(&mut self.order), self.odd);
         let (code, components, regions) = (self.pool.code, self.components, self.schedule.regions());
-        let decode = |part: &mut &mut Part| match self.pool.limits.is_over() {
-            true => Pair::default(),
-            false => decode(code, components, regions, part.tokens()),
-        };
         let mut open: Vec<&mut Part> = parts.iter_mut().filter(|part| !part.is_quiet()).collect();
-        let decoded: Vec<Pair> = match open.len() {
-            0..FEW => open.iter_mut().map(decode).collect(),
-            _ => open.par_iter_mut().with_min_len(4).map(decode).collect(),
-        };
-        let mut pairs = Vec::with_capacity(decoded.len());
-        for (part, pair) in open.into_iter().zip(decoded) {
-            if pair.redexes.is_empty() {
-                part.set_quiet();
-            } else {
-                part.pair = Some(pairs.len());
-                pairs.push(pair);
+        let mut pairs: Vec<Pair> = Vec::with_capacity(open.len());
+        let mut found = 0;
+        for batch in open.chunks_mut(BATCH) {
+            if found >= most {
+                break;
+            }
+            let each = (most - found).div_ceil(batch.len());
+            let limits = self.pool.limits;
+            let decode = |part: &mut &mut Part| match limits.is_over() {
+                true => Pair::default(),
+                false => decode(code, components, regions, each, part.take_tokens(), || limits.is_over()),
+            };
+            let decoded: Vec<Pair> = match batch.len() {
+                0..FEW => batch.iter_mut().map(decode).collect(),
+                _ => batch.par_iter_mut().with_min_len(4).map(decode).collect(),
+            };
+            for (part, pair) in batch.iter_mut().zip(decoded) {
+                if pair.redexes.is_empty() {
+                    part.give_back(pair.tokens);
+                    part.set_quiet();
+                } else {
+                    found += pair.redexes.len();
+                    part.open = true;
+                    pairs.push(pair);
+                }
             }
         }
         (parts, pairs)
@@ -192,45 +230,51 @@ impl<'p, 'r> Rounds<'p, 'r> {
     fn write(
         &mut self,
         parts: Vec<Part>,
-        pairs: &[Pair],
+        pairs: Vec<Pair>,
         (grants, outputs): (&[Option<Grant>], &[Output]),
         block: usize,
     ) -> u64 {
-        let mut firsts = Vec::with_capacity(pairs.len());
-        let mut next = 0;
-        for pair in pairs {
-            firsts.push(next);
-            next += pair.redexes.len();
-        }
-        let write = |part: Part| {
-            if self.pool.limits.is_over() {
+        let few = pairs.len() < FEW;
+        let mut pairs = pairs.into_iter();
+        let mut grants = grants;
+        let granted = parts.into_iter().map(|part| {
+            let pair = if part.open { pairs.next() } else { None };
+            let count = pair.as_ref().map_or(0, |pair| pair.redexes.len());
+            let (own, rest) = grants.split_at(count);
+            grants = rest;
+            (part, pair, own)
+        });
+        let granted: Vec<_> = granted.collect();
+        let limits = self.pool.limits;
+        let write = |(mut part, pair, grants): (Part, Option<Pair>, &[Option<Grant>])| {
+            if limits.is_over() {
                 return Vec::new();
             }
-            let at =
-                part.pair.map(|at| (&pairs[at], &grants[firsts[at]..firsts[at] + pairs[at].redexes.len()]));
-            match at {
-                Some((pair, grants)) if grants.iter().any(Option::is_some) => {
-                    fresh(splice(pair, grants, outputs), block)
+            match pair {
+                Some(pair) if grants.iter().any(Option::is_some) => {
+                    fresh(splice(&pair, grants, outputs, || limits.is_over()), block)
                 }
-                _ => part.keep(block),
+                pair => {
+                    if let Some(pair) = pair {
+                        part.give_back(pair.tokens);
+                    }
+                    part.keep(block)
+                }
             }
         };
-        let written: Vec<Vec<Block>> = match pairs.len() {
-            0..FEW => parts.into_iter().map(write).collect(),
-            _ => parts.into_par_iter().with_min_len(4).map(write).collect(),
+        let written: Vec<Vec<Block>> = match few {
+            true => granted.into_iter().map(write).collect(),
+            false => granted.into_par_iter().with_min_len(4).map(write).collect(),
         };
         self.order = join(written.into_iter());
         self.order.iter().filter(|b| b.fresh).map(|b| b.tokens.len() as u64).sum()
     }
 
-    /// Leaves as many redexes in the queue as the free memory holds in the worst case of one rewrite each, at
-    /// least one: breadth turns into depth when memory runs low.
-    fn limit_queue(&self, pairs: &mut [Pair], records: &mut Vec<Record>) {
-        let each = u64::from(self.pool.code.longest_emission.max(1)) * TOKEN_BYTES;
-        let most = (self.pool.limits.free_memory() / each).max(1);
-        if records.len() as u64 > most {
-            keep_first(most as usize, pairs, records);
-        }
+    /// As many redexes as the free memory holds in the worst case of one rewrite each, at least one: breadth turns into
+    /// depth when memory runs low.
+    fn most_redexes(&self) -> usize {
+        let emission = u64::from(self.pool.code.longest_emission.max(1)) * TOKEN_BYTES;
+        (self.pool.limits.free_memory() / (emission + REDEX_BYTES as u64)).clamp(1, MOST_REDEXES) as usize
     }
 
     fn charge(&mut self, length: u64, function: &str) -> Result<(), RunError> {
@@ -247,6 +291,9 @@ impl<'p, 'r> Rounds<'p, 'r> {
 
 /// Forgets all redexes but the first ones.
 fn keep_first(count: usize, pairs: &mut [Pair], records: &mut Vec<Record>) {
+    if records.len() <= count {
+        return;
+    }
     records.truncate(count);
     for (at, pair) in pairs.iter_mut().enumerate() {
         let first = records.partition_point(|r| r.pair < at);

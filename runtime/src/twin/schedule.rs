@@ -8,8 +8,9 @@ const DEEP: u64 = 1 << 20;
 const PATIENT: u64 = 64;
 /// Redexes for each thread that are plenty.
 const PLENTY: usize = 32;
-/// The greatest depth on a stream whose redexes do not become more.
+/// The greatest depth on a stream whose redexes do not become more, and for each token of the stream.
 const NARROW: u64 = 1 << 24;
+const NARROW_TOKEN: u64 = 4;
 /// Depth of block rounds on a stream that is not narrow.
 const BLOCK_DEPTH: u64 = 16;
 
@@ -59,17 +60,17 @@ impl Schedule {
         }
     }
 
-    /// The depth for a round with so many redexes.
-    pub fn depth(&mut self, redexes: usize) -> u64 {
+    /// The depth for a round with so many redexes in a stream of `length` tokens.
+    pub fn depth(&mut self, redexes: usize, length: u64) -> u64 {
         match self {
             Schedule::Fixed(depth) => *depth,
-            Schedule::Adaptive(adaptive) => adaptive.depth(redexes),
+            Schedule::Adaptive(adaptive) => adaptive.depth(redexes, length),
         }
     }
 }
 
 impl Adaptive {
-    fn depth(&mut self, redexes: usize) -> u64 {
+    fn depth(&mut self, redexes: usize, length: u64) -> u64 {
         let grows = redexes > std::mem::replace(&mut self.before, redexes);
         if redexes >= self.plenty.0 {
             self.plenty.1
@@ -78,7 +79,7 @@ impl Adaptive {
         } else {
             // A narrow stream: every round costs its whole length, so there are ever fewer rounds.
             self.narrow = (self.narrow * 2).min(NARROW);
-            self.narrow
+            self.narrow.max(NARROW_TOKEN * length)
         }
     }
 }
@@ -90,9 +91,9 @@ mod tests {
     #[test]
     fn narrow_streams_go_deep_and_growing_ones_do_not() {
         let mut schedule = Schedule::new(&Config::default(), 2);
-        assert_eq!([1, 2, 4, 8].map(|n| schedule.depth(n)), [1; 4]);
-        assert_eq!(schedule.depth(64), DEEP);
-        let narrow: Vec<u64> = (0..20).map(|_| schedule.depth(1)).collect();
+        assert_eq!([1, 2, 4, 8].map(|n| schedule.depth(n, 1)), [1; 4]);
+        assert_eq!(schedule.depth(64, 1), DEEP);
+        let narrow: Vec<u64> = (0..20).map(|_| schedule.depth(1, 1)).collect();
         assert!(narrow.windows(2).all(|w| w[0] <= w[1]) && narrow[19] == NARROW, "{narrow:?}");
     }
 }

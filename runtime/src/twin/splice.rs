@@ -5,17 +5,37 @@ use super::decode::Pair;
 use super::execute::Output;
 use super::tokens::Tokens;
 
-/// The pair's tokens with its granted redexes replaced.
-pub fn splice(pair: &Pair, grants: &[Option<Grant>], outputs: &[Output]) -> Tokens {
+/// Tokens and redexes between two looks at the clock.
+const LOOK: usize = 1 << 20;
+const LOOK_REDEXES: usize = 1 << 12;
+
+/// The pair's tokens with its granted redexes replaced; incomplete if the run is over.
+pub fn splice(
+    pair: &Pair,
+    grants: &[Option<Grant>],
+    outputs: &[Output],
+    is_over: impl Fn() -> bool,
+) -> Tokens {
     let mut tokens = Tokens::default();
     let mut kept = 0;
-    for (redex, grant) in pair.redexes.iter().zip(grants) {
+    let mut append = |other: &Tokens, from: usize, to: usize| {
+        for at in (from..to).step_by(LOOK) {
+            if at != from && is_over() {
+                return;
+            }
+            tokens.extend(other, at, to.min(at + LOOK));
+        }
+    };
+    for (step, (redex, grant)) in pair.redexes.iter().zip(grants).enumerate() {
         let Some(grant) = grant else { continue };
-        tokens.extend(&pair.tokens, kept, redex.from);
-        tokens.extend(&outputs[grant.output].tokens, grant.from, grant.to);
+        if step % LOOK_REDEXES == LOOK_REDEXES - 1 && is_over() {
+            return tokens;
+        }
+        append(&pair.tokens, kept, redex.from);
+        append(&outputs[grant.output].tokens, grant.from, grant.to);
         kept = redex.to;
     }
-    tokens.extend(&pair.tokens, kept, pair.tokens.len());
+    append(&pair.tokens, kept, pair.tokens.len());
     tokens
 }
 

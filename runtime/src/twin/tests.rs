@@ -11,8 +11,16 @@ use ghyll_compiler::stream::{self, initial};
 use ghyll_compiler::table::{Table, TaskId};
 
 use super::Twin;
+use super::allocate::Grant;
+use super::decode::decode;
+use super::execute::{Output, Record, execute, queue};
+use super::limits::Limits;
+use super::pool::Pool;
+use super::splice::splice;
+use super::tokens::Tokens;
 use crate::config::{Config, Rewriter, Stats};
 use crate::error::RunError;
+use crate::memory::Memory;
 use crate::progress::{Step, check, recorded};
 use crate::world::World;
 
@@ -291,6 +299,71 @@ fn the_clock_is_looked_at_within_a_round() {
         matches!(&error, RunError::Timeout { function, reached, .. } if function == "grow" && reached == "0 rewrites"),
         "{error}"
     );
+}
+
+/// Twice as many redexes in every step, none of which another one's value can stand for.
+const DOUBLE: &str = "entry double
+fn double(n: i32) -> (i32) {
+  m: i32 = add.i32(n, 1)
+  a: i32 = call double(m)
+  b: i32 = call double(a)
+  k: i32 = add.i32(n, 2)
+  c: i32 = call double(k)
+  s: i32 = add.i32(b, c)
+  yield s
+}";
+
+#[test]
+fn what_the_lanes_of_a_round_leave_counts_as_memory() {
+    let (_, table, _) = load(DOUBLE);
+    let code = super::compile::compile(&table).unwrap();
+    let config = Config { max_memory: 8 << 20, ..Config::default() };
+    let limits = Limits::new(&config, Memory::default()).unwrap();
+    let pool = Pool::new(&code, &[], &limits, None);
+    let mut tokens = Tokens::default();
+    for n in 0..64 {
+        tokens.push_literals(&[n]);
+        tokens.push_function(0);
+    }
+    let pairs = [decode(&code, 0, true, 64, tokens, || false)];
+    let made = |queue: &[Record]| {
+        let outputs = execute(&pool, &pairs, queue, (1 << 16, 1), 0).unwrap();
+        let left: usize = outputs.iter().map(|o| o.left).sum();
+        (outputs.iter().map(|o| o.tokens.bytes()).sum::<u64>(), left)
+    };
+    let queue = queue(&pairs);
+    assert_eq!(queue.len(), 64);
+    let (alone, _) = made(&queue[..1]);
+    let (all, left) = made(&queue);
+    assert!(alone * 64 > 4 * config.max_memory, "too little to tell: {alone}");
+    assert!(all < 2 * config.max_memory && left > 0, "{all} bytes, {left} left");
+    let error = evaluate(DOUBLE, &[1], &config).unwrap_err();
+    assert!(matches!(&error, RunError::OutOfMemory { function, .. } if function == "double"), "{error}");
+}
+
+#[test]
+fn long_passes_over_the_stream_look_at_the_clock() {
+    let (_, table, _) = load(TOTAL);
+    let code = super::compile::compile(&table).unwrap();
+    let mut tokens = Tokens::default();
+    for n in 0..200_000 {
+        tokens.push_literals(&[n]);
+        tokens.push_function(0);
+    }
+    let found = |is_over: bool| decode(&code, 0, false, usize::MAX, tokens.clone(), || is_over);
+    assert_eq!(found(false).redexes.len(), 200_000);
+    let some = found(true);
+    assert!(some.redexes.len() < 100_000);
+    let none = vec![Some(Grant { output: 0, from: 0, to: 0 }); some.redexes.len()];
+    assert!(splice(&some, &none, &[Output::default()], || true).len() < 100_000);
+    let config = Config { timeout: Duration::ZERO, ..Config::default() };
+    let limits = Limits::new(&config, Memory::default()).unwrap();
+    Pool::new(&code, &[], &limits, None).with(|lane| {
+        lane.begin_stream(&tokens);
+        let mut out = Tokens::default();
+        lane.publish(&mut out);
+        assert!(out.len() < 200_000, "{}", out.len());
+    });
 }
 
 #[test]

@@ -26,6 +26,11 @@ impl Tokens {
         self.words.len()
     }
 
+    /// What the tokens take.
+    pub fn bytes(&self) -> u64 {
+        (4 * self.words.capacity() + 8 * self.functions.capacity()) as u64
+    }
+
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -40,7 +45,10 @@ impl Tokens {
 
     pub fn push_literals(&mut self, words: &[u32]) {
         self.words.extend_from_slice(words);
-        self.functions.resize(self.words.len().div_ceil(64), 0);
+        let masks = self.words.len().div_ceil(64);
+        if masks > self.functions.len() {
+            self.functions.resize(masks, 0);
+        }
     }
 
     pub fn push_function(&mut self, task: u32) {
@@ -53,11 +61,25 @@ impl Tokens {
     pub fn extend(&mut self, other: &Tokens, from: usize, to: usize) {
         let base = self.words.len();
         self.push_literals(&other.words[from..to]);
-        // Function tokens are few: their bits are set one by one.
-        for at in other.functions_in(from, to) {
-            let at = base + at - from;
-            self.functions[at / 64] |= 1 << (at % 64);
+        // 64 bits at a time, which come to lie in one word or two.
+        for at in (from..to).step_by(64) {
+            let bits = other.bits(at, to);
+            if bits != 0 {
+                let (word, shift) = ((base + at - from) / 64, (base + at - from) % 64);
+                self.functions[word] |= bits << shift;
+                if let Some(rest) = bits.checked_shr(64 - shift as u32).filter(|rest| *rest != 0) {
+                    self.functions[word + 1] |= rest;
+                }
+            }
         }
+    }
+
+    /// The function bits of up to 64 tokens from `at` on, none of `end` or later.
+    fn bits(&self, at: usize, end: usize) -> u64 {
+        let (word, shift) = (at / 64, at % 64);
+        let low = self.functions.get(word).map_or(0, |bits| bits >> shift);
+        let high = self.functions.get(word + 1).and_then(|bits| bits.checked_shl(64 - shift as u32));
+        (low | high.unwrap_or(0)) & below((end - at).min(64))
     }
 
     /// Places of the function tokens in `from..to`, ascending.
@@ -71,6 +93,14 @@ impl Tokens {
                 bits &= bits.wrapping_sub(1);
                 (bit < 64).then_some(i * 64 + bit as usize)
             })
+        })
+    }
+
+    /// The last function token in `from..to`.
+    pub fn last_function(&self, from: usize, to: usize) -> Option<usize> {
+        (from / 64..to.div_ceil(64).min(self.functions.len())).rev().find_map(|i| {
+            let bits = self.functions[i] & mask(i, from, to);
+            (bits != 0).then(|| i * 64 + 63 - bits.leading_zeros() as usize)
         })
     }
 
@@ -95,8 +125,12 @@ fn mask(i: usize, from: usize, to: usize) -> u64 {
     let base = i * 64;
     let low = from.saturating_sub(base).min(64);
     let high = to.saturating_sub(base).min(64);
-    let below = |n: usize| if n == 64 { u64::MAX } else { (1 << n) - 1 };
     below(high) & !below(low)
+}
+
+/// The lowest `n` bits.
+fn below(n: usize) -> u64 {
+    if n == 64 { u64::MAX } else { (1 << n) - 1 }
 }
 
 #[cfg(test)]
@@ -118,12 +152,15 @@ mod tests {
     #[test]
     fn pieces_keep_their_bits() {
         let all = sample(300);
-        for (from, to) in [(0, 300), (5, 5), (3, 64), (60, 70), (63, 129), (64, 192), (299, 300)] {
-            let mut piece = sample(13);
+        let ranges = [(0, 300), (5, 5), (3, 64), (60, 70), (63, 129), (64, 192), (299, 300)];
+        for (before, (from, to)) in [0, 13, 51, 64].into_iter().flat_map(|n| ranges.map(|range| (n, range))) {
+            let mut piece = sample(before);
             piece.extend(&all, from, to);
-            assert_eq!(piece.len(), 13 + to - from);
+            assert_eq!(piece.len(), before + to - from);
+            assert!((0..before).all(|i| piece.is_function(i) == all.is_function(i)));
+            assert_eq!(all.last_function(from, to), (from..to).rev().find(|i| all.is_function(*i)));
             for i in from..to {
-                assert_eq!(piece.is_function(13 + i - from), all.is_function(i), "{from}..{to} at {i}");
+                assert_eq!(piece.is_function(before + i - from), all.is_function(i), "{from}..{to} at {i}");
             }
             let expected: Vec<_> = (from..to).filter(|i| all.is_function(*i)).collect();
             assert_eq!(all.functions_in(from, to).collect::<Vec<_>>(), expected);

@@ -234,6 +234,7 @@ fn code(members: &[Member]) -> (Code, Vec<u32>) {
         fused: wgsl.fused,
         arities: table.tasks.iter().map(|t| t.arity()).collect(),
         longest_emission: table.longest_emission(),
+        widths: table.widths(),
         names: table.tasks.iter().map(|t| t.function.clone()).collect(),
         ..Code::default()
     };

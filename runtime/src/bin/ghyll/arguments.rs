@@ -63,7 +63,7 @@ pub enum Command {
     Trace(Trace),
     /// Show adapters and limits, or what an elevation file holds.
     Info(Info),
-    /// Run one of the project's benchmarks: overhead, calls.
+    /// Run one of the project's benchmarks: overhead, calls, stability.
     Bench(Bench),
 }
 

@@ -68,6 +68,10 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
                 "baking_seconds": seconds(stats.baking),
                 "rounds": (!stats.direct).then_some(stats.rounds),
                 "rewrites": (!stats.direct).then_some(stats.rewrites),
+                "stage_seconds": stats.stages().map(|stages| {
+                    stages.map(|(name, time)| (name.to_owned(), seconds(time).into()))
+                        .into_iter().collect::<serde_json::Map<_, _>>()
+                }),
                 "tokens_moved": stats.tokens_moved,
                 "dispatches": stats.dispatches,
                 "submissions": stats.submissions,
@@ -82,6 +86,9 @@ pub fn stats(arguments: &arguments::Machine, machine: &Machine, stats: &Stats) {
             eprintln!("  compiling  {:.3} s", seconds(stats.compiling));
             if stats.memory.bakes > 0 {
                 eprintln!("  baking     {:.3} s, before the rest", seconds(stats.baking));
+            }
+            for (name, time) in stats.stages().into_iter().flatten() {
+                eprintln!("  {name:10} {:.3} s", seconds(time));
             }
             let counted = |count: u64| match stats.direct {
                 true => "none: one invocation a pixel, no stream".into(),

@@ -1,6 +1,7 @@
 //! Task sets written by hand in the form that the compiler generates.
 
 use super::super::*;
+use ghyll_compiler::table::Widths;
 use std::sync::{Mutex, PoisonError};
 
 /// One device for all tests, which so share kernels; none, loudly, where there is none, unless GHYLL_REQUIRE_GPU=1
@@ -34,6 +35,7 @@ pub fn code(functions: &str, tasks: &[(&str, u32)], longest_emission: u32) -> Co
         arities: tasks.iter().map(|task| task.1).collect(),
         names: tasks.iter().map(|task| task.0.to_owned()).collect(),
         longest_emission,
+        widths: Widths { first: longest_emission, later: longest_emission, segment: longest_emission },
         ..Code::default()
     }
 }

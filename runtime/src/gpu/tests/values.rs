@@ -33,6 +33,30 @@ fn fib_by_every_rewriter_checked_and_trusted() {
 }
 
 #[test]
+fn tasks_see_the_same_stream_by_hand_and_in_the_window() {
+    use super::super::shape::Shape;
+    use ghyll_compiler::table::Widths;
+    let Some(gpu) = gpu() else { return };
+    let run = |code: Code, first, later, segment, operands: &[u32]| {
+        let code = Code { widths: Widths { first, later, segment }, ..code };
+        let limited = Config { timeout: Duration::from_secs(20), ..config(Rewriter::Auto) };
+        let hand = Shape::new(&code, &limited, 0, true).unwrap().hand;
+        (hand.is_some(), value(&gpu, code, limited, operands).map(|outcome| outcome.words))
+    };
+    for (code, [first, later, segment], operands, expected) in [
+        (fib(), [1, 3, 1], vec![18], 2584),
+        (takeuchi(), [3, 9, 3], vec![8, 4, 2], 3),
+        (ackermann(), [3, 1, 0], vec![2, 9], 21),
+    ] {
+        assert_eq!(run(code.clone(), first, later, segment, &operands), (true, Ok(vec![expected])));
+        // More than a hand has.
+        assert_eq!(run(code, 100, later, segment, &operands), (false, Ok(vec![expected])));
+    }
+    // A hand that is too small loses what waits to the right.
+    assert_ne!(run(fib(), 1, 0, 1, &[18]), (true, Ok(vec![2584])));
+}
+
+#[test]
 fn tiny_blocks_and_tiny_arenas() {
     let Some(gpu) = gpu() else { return };
     for rewriter in [Rewriter::Block, Rewriter::Lane, Rewriter::Auto] {
@@ -121,6 +145,19 @@ fn endless_loop_ends_by_timeout() {
     let config = Config { timeout: Duration::from_millis(300), ..config(Rewriter::Auto) };
     match value(&gpu, spin(), config, &[0]) {
         Err(RunError::Timeout { function, .. }) => assert_eq!(function, "spin"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn lanes_that_are_never_cut_short_have_a_function_to_blame() {
+    let Some(gpu) = gpu() else { return };
+    let mut code = grow();
+    code.names.push("main".into());
+    let timeout = Duration::from_millis(300);
+    let config = Config { timeout, depth: Some(1), ..config(Rewriter::Block) };
+    match value(&gpu, code, config, &[0]) {
+        Err(RunError::Timeout { function, .. }) => assert_eq!(function, "grow"),
         other => panic!("{other:?}"),
     }
 }

@@ -175,6 +175,8 @@ impl<'p, 'r> Rounds<'p, 'r> {
         moved: u64,
         function: &str,
     ) -> Result<bool, RunError> {
+        // What was dropped because the time is over must not pass for the end of the stream.
+        self.pool.limits.check_clock(function)?;
         if records.is_empty() {
             self.idle = if moved == 0 { self.idle + 1 } else { 0 };
             return match self.idle {
@@ -187,7 +189,6 @@ impl<'p, 'r> Rounds<'p, 'r> {
         self.stats.rounds += 1;
         self.stats.tokens_moved += moved;
         self.stats.longest_stream = self.stats.longest_stream.max(length);
-        self.pool.limits.check_clock(function)?;
         Ok(true)
     }
 

@@ -181,6 +181,8 @@ builtins! {
     Camera "__camera" Library Fixed("fn(vec2) -> (vec3, vec3, f32, f32)");
     // A pixel's width at distance t is x + y * t.
     PixelWidth "__pixel_width" Library Fixed("fn() -> vec2");
+    // Width and height of the picture in pixels.
+    Picture "__picture" Library Fixed("fn() -> vec2");
 }
 
 /// Surfaces of LANGUAGE.md section 9 that are samplers of the height field itself.

@@ -79,6 +79,8 @@ intrinsics! {
     Camera "camera" (F32, F32) -> (F32, F32, F32, F32, F32, F32, F32, F32) 40;
     // A pixel's width at distance t is r0 + r1 * t.
     PixelWidth "pixel_width" () -> (F32, F32) 1;
+    // Width and height of the picture in pixels.
+    Picture "picture" () -> (F32, F32) 1;
     SunDir "sun_dir" () -> (F32, F32, F32) 1;
     SunColor "sun_color" () -> (F32, F32, F32) 1;
     // World position of the field's sample at a pixel position.

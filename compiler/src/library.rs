@@ -7,7 +7,13 @@ pub const PRELUDE: &str = "prelude";
 pub const MODULES: &[(&str, &str)] = &[
     (PRELUDE, include_str!("../std/prelude.ghyll")),
     ("terrain", include_str!("../std/terrain.ghyll")),
+    ("antialias", include_str!("../std/antialias.ghyll")),
+    ("chart", include_str!("../std/chart.ghyll")),
+    ("data", include_str!("../std/data.ghyll")),
+    ("light", include_str!("../std/light.ghyll")),
     ("shade", concat!(include_str!("../std/shade.ghyll"), "\n", include_str!("../std/colormaps.ghyll"))),
+    ("sky", include_str!("../std/sky.ghyll")),
+    ("water", include_str!("../std/water.ghyll")),
 ];
 
 pub fn text(name: &str) -> Option<&'static str> {

@@ -99,7 +99,7 @@ fn signatures(text: &str) -> Vec<String> {
             _ => continue,
         };
         let declared = rest[..end.unwrap_or(rest.len())].split_whitespace().collect::<Vec<_>>().join(" ");
-        let declared = declared.replace("( ", "(").replace(" )", ")");
+        let declared = declared.replace("( ", "(").replace(" )", ")").replace(",)", ")");
         if !declared.starts_with('_') {
             found.push(format!("{keep}{declared}"));
         }
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn signatures_are_as_declared() {
-        let text = "/// One.\nfn one(x: f32,\n    y: fn(A) -> B) -> f32 = x;\nfn _hidden() -> i32 = 1;\n@task fn two() -> (f32, u32) =\n\
+        let text = "/// One.\nfn one(\n    x: f32,\n    y: fn(A) -> B,\n) -> f32 = x;\nfn _hidden() -> i32 = 1;\n@task fn two() -> (f32, u32) =\n\
                     1 = 2;\nstruct S(a: f32);\ntype T = fn(f32) -> f32;\nconst FAR = 1e9;\nenum E<A> { Some(A), None }\n";
         let expected = [
             "one(x: f32, y: fn(A) -> B) -> f32",

@@ -40,7 +40,7 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         GradientRaster4 => Jacobian::Given(TwistRaster4),
         TwistRaster1 | TwistRaster2 | TwistRaster3 | TwistRaster4 => Jacobian::Flat,
         // No operands.
-        Extent | Texel | Relief | PixelWidth | SunDir | SunColor => Jacobian::Flat,
+        Extent | Texel | Relief | PixelWidth | Picture | SunDir | SunColor => Jacobian::Flat,
     }
 }
 

@@ -487,6 +487,7 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::SunColor => Intrinsic::SunColor,
         Builtin::Camera => Intrinsic::Camera,
         Builtin::PixelWidth => Intrinsic::PixelWidth,
+        Builtin::Picture => Intrinsic::Picture,
         Builtin::Hole => Intrinsic::Hole,
         _ => return None,
     })

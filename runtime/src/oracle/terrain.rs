@@ -22,6 +22,7 @@ const PLAIN: &[(Builtin, Intrinsic)] = &[
     (Builtin::SunColor, Intrinsic::SunColor),
     (Builtin::Camera, Intrinsic::Camera),
     (Builtin::PixelWidth, Intrinsic::PixelWidth),
+    (Builtin::Picture, Intrinsic::Picture),
     (Builtin::MicroRow, Intrinsic::MicroRow),
     (Builtin::Means, Intrinsic::Means),
     (Builtin::Hole, Intrinsic::Hole),

@@ -141,6 +141,7 @@ impl Scene {
                 give(out, &[o.x, o.y, o.z, d.x, d.y, d.z, near, far]);
             }
             Intrinsic::PixelWidth => give(out, &self.camera().pixel_width()),
+            Intrinsic::Picture => give(out, &self.camera().middle.map(|x| 2.0 * x)),
             Intrinsic::SunDir => give(out, &self.options().sun.dir()),
             Intrinsic::SunColor => give(out, &self.options().sun.color()),
             Intrinsic::Place => {
@@ -217,6 +218,7 @@ fn evaluate<H: Heights>(
         Intrinsic::Hole => out[0] = u32::from(range::hole(scene, heights, arg(0), arg(1))),
         Intrinsic::Camera => floats(out, &camera(scene, arg(0), arg(1))),
         Intrinsic::PixelWidth => floats(out, &scene.pixel_width),
+        Intrinsic::Picture => floats(out, &scene.middle.map(|x| 2.0 * x)),
         Intrinsic::SunDir => floats(out, &scene.sun_dir),
         Intrinsic::SunColor => floats(out, &scene.sun_color),
         // Twin of `shaders/terrain/place.wgsl`.

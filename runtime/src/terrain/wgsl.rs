@@ -96,6 +96,7 @@ const PIECES: &[Piece] = pieces! {
     "hole" "hole" ["box" "corners"];
     "camera" "camera" ["scene"];
     "pixel_width" "pixel_width" ["scene"];
+    "picture" "picture" ["scene"];
     "sun_dir" "sun_dir" ["scene"];
     "sun_color" "sun_color" ["scene"];
     "place" "place" ["scene"];

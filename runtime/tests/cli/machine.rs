@@ -10,14 +10,14 @@ const NO_DRIVER: [(&str, &str); 2] =
 #[cfg(target_os = "linux")]
 fn without_a_driver_the_twin_draws_and_says_why() {
     let folder = Folder::new("no_driver");
-    let drawn = folder.ghyll_in(&NO_DRIVER, &["render", "--size", "32x32", "-o", "a.png"]);
+    let drawn = folder.ghyll_in(&NO_DRIVER, &["render", "--no-bake", "--size", "32x32", "-o", "a.png"]);
     drawn.printed();
     for part in ["CPU twin", "no GPU adapter was found", "ghyll info"] {
         assert!(drawn.err.contains(part), "{}", drawn.err);
     }
     assert!(folder.path("a.png").exists());
 
-    let asked = folder.ghyll("render --on cpu --size 32x32 -o b.png");
+    let asked = folder.ghyll("render --on cpu --no-bake --size 32x32 -o b.png");
     assert!(asked.err.contains("as asked for") && !asked.err.contains("no GPU"), "{}", asked.err);
     folder
         .ghyll_in(&NO_DRIVER, &["render", "--on", "gpu", "-o", "c.png"])

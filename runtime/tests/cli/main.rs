@@ -6,6 +6,8 @@ mod build;
 mod explain;
 mod films;
 mod fmt;
+mod gallery;
+mod horn;
 mod lsp;
 mod machine;
 mod manual;

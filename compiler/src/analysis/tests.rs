@@ -166,7 +166,7 @@ fn candidates_fit_their_place() {
     assert!(!types.iter().any(|w| w == "N" || w == "f"));
     has("^", &["fn", "struct", "use"]);
     assert!(!words("fn f() -> i32 = 1;\n^\n").iter().any(|w| w == "sin"));
-    assert_eq!(words("use ^;"), ["terrain", "shade"]);
+    assert_eq!(words("use ^;"), ["terrain", "antialias", "chart", "data", "light", "shade", "sky", "water"]);
     assert_eq!(words("@^\nfn f() -> i32 = 1;"), ["task", "inline", "bake"]);
     assert!(words("fn f() -> i32 = 1; // si^").is_empty());
     assert!(words("fn f() -> f32 = 1.^5;").is_empty());

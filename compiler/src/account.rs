@@ -191,7 +191,7 @@ fn unknown(module: &Module, compiled: &Compiled, all_live: &Settings) -> Option<
     let baked = compiled.bakes.iter().map(|bake| (bake.function, bake.slot)).collect();
     let settings = Settings { baked, ..all_live.clone() };
     let program = lower::lower(module, compiled.entry, asked(compiled.kind), &settings).ok()?;
-    Some(part(String::new(), &back::back(program)).size)
+    Some(part(String::new(), &back::back(program).ok()?).size)
 }
 
 fn part(name: String, back: &Back) -> Part {

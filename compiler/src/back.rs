@@ -3,7 +3,7 @@
 use crate::core::Program;
 use crate::optimise::{CLEANING, optimise, run};
 use crate::split::live::tail_size;
-use crate::split::{lift, split};
+use crate::split::{TooManyWords, lift, split};
 use crate::table::{Table, TaskId, Token};
 use crate::wgsl::{self, Wgsl};
 
@@ -24,7 +24,10 @@ pub struct Back {
 const LONG_LOOP: u64 = 2048;
 
 /// Optimises, splits and writes a verified program.
-pub fn back(mut program: Program) -> Back {
+///
+/// # Errors
+/// [`TooManyWords`]
+pub fn back(mut program: Program) -> Result<Back, TooManyWords> {
     optimise(&mut program);
     lift::loops(&mut program);
     finish(program)
@@ -32,7 +35,7 @@ pub fn back(mut program: Program) -> Back {
 
 impl Back {
     /// The same program with its long loops as tasks, which can be suspended. Its entry has the same number and
-    /// operands.
+    /// operands. It is the same where that would take too many words.
     pub fn with_loops_as_tasks(&self) -> Back {
         self.with_loops_of_more_than(LONG_LOOP)
     }
@@ -40,20 +43,20 @@ impl Back {
     fn with_loops_of_more_than(&self, turns: u64) -> Back {
         let mut program = self.core.clone();
         lift::long_loops(&mut program, turns);
-        finish(program)
+        finish(program).unwrap_or_else(|TooManyWords| self.clone())
     }
 }
 
-fn finish(mut program: Program) -> Back {
+fn finish(mut program: Program) -> Result<Back, TooManyWords> {
     run(CLEANING, &mut program);
-    let (table, entry) = split(&program);
+    let (table, entry) = split(&program)?;
     debug_assert_eq!(
         crate::table::verify::table(&table, &crate::core::verify::live_words(&program)).err(),
         None
     );
     let wgsl = wgsl::emit(&table, entry);
     let has_long_loops = lift::has_long_loops(&program, LONG_LOOP);
-    Back { core: program, table, entry, wgsl, has_long_loops }
+    Ok(Back { core: program, table, entry, wgsl, has_long_loops })
 }
 
 /// Sizes that tests hold and `ghyll explain` shows.
@@ -141,8 +144,8 @@ mod tests {
         let text = program(seed);
         let source = parse::program(&text).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}"));
         verify::program(&source).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}"));
-        let (plain, plain_entry) = split(&source);
-        let back = back(source.clone());
+        let (plain, plain_entry) = split(&source).expect("few words");
+        let back = back(source.clone()).expect("few words");
         wgsl::tests::check(&back.wgsl);
         let lifted = back.with_loops_of_more_than(1);
         wgsl::tests::check(&lifted.wgsl);
@@ -178,7 +181,7 @@ mod tests {
             let text = program(*seed);
             let planted = text.replace("n: i32 = sub.i32(v0, 1)", "n: i32 = sub.i32(v0, 2)");
             let source = parse::program(&text).expect("parses");
-            let (table, entry) = split(&parse::program(&planted).expect("parses"));
+            let (table, entry) = split(&parse::program(&planted).expect("parses")).expect("few words");
             let args = [Const::I32(2), Const::Bool(true), Const::I32(3), Const::U32(4), Const::f32(0.5)];
             let expected = interpret::run(&source, &args, &TestHost, FUEL).map(canonical);
             expected.is_ok() && rewritten(&table, entry, &args).map(canonical) != expected
@@ -199,7 +202,7 @@ mod tests {
     #[test]
     fn stats_count_what_the_table_has() {
         let source = parse::program(crate::split::tests::FIB).expect("parses");
-        let table = back(source).table;
+        let table = back(source).expect("few words").table;
         assert_eq!(table.widths(), Widths { first: 2, later: 3, segment: 1 });
         let stats = stats(&table);
         assert_eq!((stats.tasks, stats.helpers, stats.longest_arity, stats.longest_emission), (2, 0, 2, 5));

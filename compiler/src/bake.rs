@@ -10,6 +10,7 @@ use crate::diagnostic::Diagnostic;
 use crate::front::walk::walk;
 use crate::lower::slot::fitting;
 use crate::lower::{self, Asked, Settings};
+use crate::split::TooManyWords;
 use crate::typed::{Expr, ExprKind, FunctionId, Module};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -117,13 +118,13 @@ pub(crate) fn backs(
 ) -> Result<(Back, Vec<Bake>), Vec<Diagnostic>> {
     if !bake {
         let back = back::back(lower::lower(module, entry, asked, settings)?);
-        return within_tokens(module, entry, back).map(|back| (back, Vec::new()));
+        return within_limits(module, entry, back).map(|back| (back, Vec::new()));
     }
     let plan = Plan::new(module, settings, entry);
     plan.within_limits(module)?;
     let settings_of = |id| Settings { baked: plan.read_by(id), ..settings.clone() };
     let back = back::back(lower::lower(module, entry, asked, &settings_of(entry))?);
-    let back = within_tokens(module, entry, back)?;
+    let back = within_limits(module, entry, back)?;
     let mut bakes: BTreeMap<u32, Bake> = BTreeMap::new();
     let mut pending: Vec<u32> = slots(&back.core).into_iter().collect();
     let mut statements = 0;
@@ -136,7 +137,7 @@ pub(crate) fn backs(
             return Err(vec![too_much(module, function, "the baked functions are too large together", help)]);
         }
         let components = program.functions[0].results.len() as u32;
-        let back = within_tokens(module, function, back::back(program))?;
+        let back = within_limits(module, function, back::back(program))?;
         let reads = slots(&back.core);
         pending.extend(&reads);
         bakes.insert(slot, Bake { function, slot, components, reads, back });
@@ -145,7 +146,16 @@ pub(crate) fn backs(
 }
 
 /// A token holds the number of its task, and the number of literals before it, in 16 bits each.
-fn within_tokens(module: &Module, id: FunctionId, back: Back) -> Result<Back, Vec<Diagnostic>> {
+fn within_limits(
+    module: &Module,
+    id: FunctionId,
+    back: Result<Back, TooManyWords>,
+) -> Result<Back, Vec<Diagnostic>> {
+    let Ok(back) = back else {
+        let title = "too many values are needed behind calls of tasks";
+        let help = "each such call passes on all that is needed after it: compute less before it, or leave `@task` away";
+        return Err(vec![too_much(module, id, title, help)]);
+    };
     if back.table.tasks.len() < MOST_TASKS && back.table.longest_emission() as usize <= MOST_TASKS {
         return Ok(back);
     }

@@ -306,6 +306,9 @@ impl<'e, 'a> Infer<'e, 'a> {
     }
 
     fn require(&mut self, span: Span, found: Ty, want: Want) {
+        if self.table.is_same(found, want.ty) {
+            return;
+        }
         // Shown before unification links parts of the two types.
         let known = !self.table.is_unknown(found) && !self.table.is_unknown(want.ty);
         let shown = known.then(|| (self.show(want.ty), self.show(found)));

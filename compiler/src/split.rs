@@ -13,14 +13,21 @@ use crate::core::graph::Graph;
 use crate::core::{Mark, Program};
 use crate::table::{Table, TaskId};
 
+/// The continuations of a program would take too many words in all: each takes what is live at its call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyWords;
+
 /// The table of everything the entry reaches, and the entry's task.
-pub fn split(program: &Program) -> (Table, TaskId) {
+///
+/// # Errors
+/// [`TooManyWords`]
+pub fn split(program: &Program) -> Result<(Table, TaskId), TooManyWords> {
     let mut program = program.clone();
     lift::loops(&mut program);
     let tasks = tasks(&program);
     let entry = program.entry as usize;
-    let drafts = body::split(&mut program.functions, tasks, entry);
-    assemble::table(drafts, &program.functions)
+    let drafts = body::split(&mut program.functions, tasks, entry).ok_or(TooManyWords)?;
+    Ok(assemble::table(drafts, &program.functions))
 }
 
 /// Which functions are tasks.

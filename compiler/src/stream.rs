@@ -151,7 +151,7 @@ mod tests {
     use crate::split::split;
 
     fn table(text: &str) -> (Table, TaskId) {
-        split(&parse::program(text).expect("parses"))
+        split(&parse::program(text).expect("parses")).expect("few words")
     }
 
     #[test]

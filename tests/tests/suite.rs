@@ -27,13 +27,18 @@ fn main() {
             if lines.is_empty() && count > 0 { Ok(()) } else { Err(lines.join("\n").into()) }
         }),
     ];
-    let missing = codes_without_a_case(&cases);
+    let missing = codes_without_a_case(cases.iter());
+    let without_one = codes_without_a_case(cases.iter().filter(|case| !expects(case, codes::MISMATCH)));
     trials.push(Trial::test("suite::codes", move || {
         if missing.is_empty() {
             Ok(())
         } else {
             Err(format!("no case expects {}", missing.join(", ")).into())
         }
+    }));
+    trials.push(Trial::test("suite::codes_without_a_case_are_found", move || {
+        let only = [codes::MISMATCH.as_str()];
+        if without_one == only { Ok(()) } else { Err(format!("found {without_one:?}").into()) }
     }));
     for case in cases {
         trials.extend(trials_of(Arc::new(case), &backend));
@@ -60,15 +65,16 @@ fn adapter_trial(adapter: Result<String, String>) -> Trial {
 
 /// Codes of diagnostics that no case asks for, but for those that stand behind a hundred others, and for what is only
 /// not supported yet (E09).
-fn codes_without_a_case(cases: &[Case]) -> Vec<&'static str> {
-    let expected = |code: codes::Code| {
-        let mut all = cases.iter().flat_map(|case| &case.expectations);
-        all.any(|e| matches!(e, Expectation::Diagnostic(d) if d.code == code.as_str()))
-    };
+fn codes_without_a_case<'a>(cases: impl Iterator<Item = &'a Case> + Clone) -> Vec<&'static str> {
+    let expected = |code: codes::Code| cases.clone().any(|case| expects(case, code));
     let beyond = [codes::TOO_MANY, codes::MANY_WARNINGS];
     let needed = |c: &codes::Code| !beyond.contains(c) && !c.as_str()[1..].starts_with("09");
     let all = codes::ALL.iter().map(|(code, _)| *code);
     all.filter(|c| needed(c) && !expected(*c)).map(codes::Code::as_str).collect()
+}
+
+fn expects(case: &Case, code: codes::Code) -> bool {
+    case.expectations.iter().any(|e| matches!(e, Expectation::Diagnostic(d) if d.code == code.as_str()))
 }
 
 /// `suite::recursion::numbers::fib::check`, and one for each mode.

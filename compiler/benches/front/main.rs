@@ -42,7 +42,7 @@ fn lowered(checked: &Checked) -> Program {
 
 fn whole(source: Source) -> Back {
     let checked = check(source).unwrap_or_else(|_| panic!("a generated program has errors"));
-    back(lowered(&checked))
+    back(lowered(&checked)).expect("few words")
 }
 
 /// Text to WGSL.
@@ -97,7 +97,7 @@ fn phases(lines: usize) {
     lift::loops(&mut program);
     run(CLEANING, &mut program);
     report("lift and clean");
-    let (table, entry) = split(&program);
+    let (table, entry) = split(&program).expect("few words");
     report("split");
     let wgsl = wgsl::emit(&table, entry);
     report("wgsl");

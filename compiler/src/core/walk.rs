@@ -1,6 +1,7 @@
 //! Walks over core that every pass needs: uses, definitions, calls, renumbering.
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::SmallVec;
 
 use super::{Atom, Block, FnId, Function, Op, Scalar, Stmt, Var};
 
@@ -185,12 +186,12 @@ impl Free {
     }
 }
 
-pub fn free_in_stmt(stmt: &Stmt) -> Vec<Var> {
+pub fn free_in_stmt(stmt: &Stmt) -> SmallVec<[Var; 4]> {
     // Nearly all statements are so short that no set is needed.
     if let Op::Prim(_, _, args) = &stmt.op
         && args.len() <= 4
     {
-        let mut found = Vec::with_capacity(args.len());
+        let mut found = SmallVec::new();
         for v in vars_of(args.iter().copied()) {
             if !found.contains(&v) {
                 found.push(v);
@@ -200,7 +201,7 @@ pub fn free_in_stmt(stmt: &Stmt) -> Vec<Var> {
     }
     let mut free = Free::default();
     free.stmts(std::slice::from_ref(stmt));
-    free.vars()
+    free.vars().into()
 }
 
 /// Every variable that the statement uses, with repetitions and with those that it defines inside.

@@ -86,6 +86,9 @@ impl Finish<'_, '_> {
     }
 
     fn ty(&mut self, ty: Ty, span: Span) -> Type {
+        if let Some(plain) = self.infer.table.plain(ty) {
+            return plain;
+        }
         if self.infer.env.written.get() > MOST_WRITTEN {
             return Type::Error;
         }

@@ -4,6 +4,7 @@
 //! it has been, and what would write one out asks for its size first.
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::{SmallVec, smallvec};
 use std::cell::RefCell;
 
 use crate::resolve::size::MAX_NODES;
@@ -191,8 +192,36 @@ impl Table {
         }
     }
 
+    /// Whether two types are the same as far as they are known. Large ones may be the same all the same.
+    pub fn is_same(&self, a: Ty, b: Ty) -> bool {
+        fn go(table: &Table, a: Ty, b: Ty, left: &mut u32) -> bool {
+            let (a, b) = (table.root(a), table.root(b));
+            if a == b {
+                return true;
+            }
+            *left = left.saturating_sub(1);
+            if *left == 0 {
+                return false;
+            }
+            let mut all = |xs: &[Ty], ys: &[Ty]| {
+                xs.len() == ys.len() && xs.iter().zip(ys).all(|(x, y)| go(table, *x, *y, left))
+            };
+            match (&table.nodes[a.0 as usize], &table.nodes[b.0 as usize]) {
+                (Form::Tuple(xs), Form::Tuple(ys)) => all(xs, ys),
+                (Form::Struct(i, xs), Form::Struct(j, ys)) => i == j && all(xs, ys),
+                (Form::Enum(i, xs), Form::Enum(j, ys)) => i == j && all(xs, ys),
+                (Form::Array(x, n), Form::Array(y, m)) => n == m && go(table, *x, *y, left),
+                (Form::Fn(xs, x), Form::Fn(ys, y)) => all(xs, ys) && go(table, *x, *y, left),
+                (Form::Param(i), Form::Param(j)) => i == j,
+                // The others have one handle each.
+                _ => false,
+            }
+        }
+        go(self, a, b, &mut 32)
+    }
+
     pub fn unify(&mut self, a: Ty, b: Ty) -> Result<(), Clash> {
-        let mut work = vec![(a, b)];
+        let mut work: Pairs = smallvec![(a, b)];
         let mut seen = FxHashSet::default();
         while let Some((a, b)) = work.pop() {
             let (a, b) = (self.root(a), self.root(b));
@@ -362,6 +391,20 @@ impl Table {
         self.nodes_below(ty, None).unwrap_or(u64::MAX) > MAX_NODES
     }
 
+    /// The finished type, if it is one without parts.
+    pub fn plain(&self, ty: Ty) -> Option<Type> {
+        Some(match self.form(ty) {
+            Form::Bool => Type::Bool,
+            Form::I32 => Type::I32,
+            Form::U32 => Type::U32,
+            Form::F32 => Type::F32,
+            Form::Vec(n) => Type::Vec(*n),
+            Form::IVec(n) => Type::IVec(*n),
+            Form::Mat(n) => Type::Mat(*n),
+            _ => return None,
+        })
+    }
+
     /// The finished type.
     pub fn export(&self, ty: Ty) -> Result<Type, Unfinished> {
         if self.is_too_large(ty) {
@@ -399,14 +442,11 @@ pub enum Unfinished {
     TooLarge,
 }
 
+/// Types that are still to be unified.
+type Pairs = SmallVec<[(Ty, Ty); 8]>;
+
 /// Queues the parts of two types, unless that pair was met before.
-fn push(
-    work: &mut Vec<(Ty, Ty)>,
-    seen: &mut FxHashSet<(Ty, Ty)>,
-    pair: (Ty, Ty),
-    xs: &[Ty],
-    ys: &[Ty],
-) -> bool {
+fn push(work: &mut Pairs, seen: &mut FxHashSet<(Ty, Ty)>, pair: (Ty, Ty), xs: &[Ty], ys: &[Ty]) -> bool {
     let new = seen.insert(pair);
     if new {
         work.extend(xs.iter().copied().zip(ys.iter().copied()));

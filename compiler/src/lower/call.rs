@@ -6,7 +6,6 @@ use super::words::dissect_any;
 use super::{Env, INLINE_DEPTH_LIMIT, Lower};
 use crate::core::{Atom, Const};
 use crate::intrinsics::Reading;
-use crate::layout;
 use crate::source::Span;
 use crate::typed::{Expr, ExprKind, FunctionId, LocalId, Type};
 use std::collections::BTreeMap;
@@ -118,7 +117,7 @@ impl<'m> Lower<'m> {
     /// ends, so that more is known after the call; functions that only the machine knows are called, which keeps the
     /// tests of the tag in one place.
     fn invoke(&mut self, callee: Callee<'m>, at: Application<'_, 'm>) -> Value<'m> {
-        let first_order = layout::scalars(self.module, at.result).is_some();
+        let first_order = self.layouts.is_data(at.result);
         let apart = match &callee {
             Callee::Function(id, _) => first_order || self.module.functions[id.0 as usize].attributes.task,
             Callee::Value(value) => first_order && matches!(value, Value::Choice(..)),
@@ -143,7 +142,7 @@ impl<'m> Lower<'m> {
 
     /// Reads a data layer at a position.
     fn layer(&mut self, slot: u32, position: &Value<'m>, result: &Type) -> Value<'m> {
-        let components = layout::scalars(self.module, result).map_or(0, |s| s.len());
+        let components = self.layouts.scalars(result).map_or(0, |s| s.len());
         let intrinsic = Reading::Value.of(components).expect("a layer holds 1 to 4 floats");
         let slot = Value::constant(Const::U32(slot));
         self.intrinsic(intrinsic, &[slot, position.clone()], result)

@@ -10,7 +10,6 @@ use super::value::{Closure, Value};
 use super::words::{dissect_any, rebuild_any, shape, zero};
 use super::{Env, Lower};
 use crate::core::{Atom, Block, Const, Op, Prim, Scalar, Stmt};
-use crate::layout;
 use crate::source::Span;
 use crate::typed::Type;
 use std::collections::BTreeMap;
@@ -35,8 +34,8 @@ impl<'m> Lower<'m> {
             return if shape(a) == shape(b) { self.outline_any(a) } else { zeros };
         }
         if let (Value::Group(xs), Value::Group(ys)) = (a, b) {
-            let types = layout::items(self.module, ty).expect("a group has a product type");
-            let parts = xs.iter().zip(ys.iter()).zip(&types);
+            let types = self.layouts.items(ty).expect("a group has a product type");
+            let parts = xs.iter().zip(ys.iter()).zip(types.iter());
             return Value::Group(parts.map(|((x, y), t)| self.join(x, y, t)).collect());
         }
         let mut candidates: BTreeMap<Shape, Value<'m>> = BTreeMap::new();
@@ -68,9 +67,9 @@ impl<'m> Lower<'m> {
     /// Joins two candidates with one head.
     fn join_alike(&mut self, a: &Value<'m>, b: &Value<'m>, ty: &Type) -> Value<'m> {
         match (a, b, ty) {
-            (Value::Variant(tag, xs), Value::Variant(_, ys), Type::Enum(id, args)) => {
-                let types = layout::variants(self.module, *id, args).swap_remove(*tag as usize);
-                let parts = xs.iter().zip(ys.iter()).zip(&types);
+            (Value::Variant(tag, xs), Value::Variant(_, ys), Type::Enum(..)) => {
+                let types = self.layouts.fields(ty, *tag);
+                let parts = xs.iter().zip(ys.iter()).zip(types.iter());
                 Value::Variant(*tag, parts.map(|((x, y), t)| self.join(x, y, t)).collect())
             }
             (Value::Function(f), Value::Function(g), _) => match (&**f, &**g) {
@@ -89,7 +88,7 @@ impl<'m> Lower<'m> {
         if let Value::Never = value {
             return like.clone();
         }
-        if layout::scalars(self.module, ty).is_some() {
+        if self.layouts.is_data(ty) {
             if shape(value) == shape(like) {
                 return value.clone();
             }
@@ -100,14 +99,13 @@ impl<'m> Lower<'m> {
         match (value, like) {
             (_, Value::Choice(candidates, ..)) => self.choose(value, candidates, ty),
             (Value::Group(xs), Value::Group(ys)) => {
-                let types = layout::items(self.module, ty).expect("a group has a product type");
-                let parts = xs.iter().zip(ys.iter()).zip(&types);
+                let types = self.layouts.items(ty).expect("a group has a product type");
+                let parts = xs.iter().zip(ys.iter()).zip(types.iter());
                 Value::Group(parts.map(|((x, y), t)| self.coerce(x, y, t)).collect())
             }
             (Value::Variant(tag, xs), Value::Variant(_, ys)) => {
-                let Type::Enum(id, args) = ty else { unreachable!("a variant has an enum type") };
-                let types = layout::variants(self.module, *id, args).swap_remove(*tag as usize);
-                let parts = xs.iter().zip(ys.iter()).zip(&types);
+                let types = self.layouts.fields(ty, *tag);
+                let parts = xs.iter().zip(ys.iter()).zip(types.iter());
                 Value::Variant(*tag, parts.map(|((x, y), t)| self.coerce(x, y, t)).collect())
             }
             (Value::Function(f), Value::Function(g)) => match (&**f, &**g) {
@@ -251,7 +249,7 @@ impl<'m> Lower<'m> {
 
     /// As `join`, with nothing to do for first-order values; refuses what grows without end.
     pub(super) fn join_any(&mut self, a: &Value<'m>, b: &Value<'m>, ty: &Type, span: Span) -> Value<'m> {
-        if layout::scalars(self.module, ty).is_some() {
+        if self.layouts.is_data(ty) {
             return a.clone();
         }
         let like = self.join(a, b, ty);
@@ -262,7 +260,7 @@ impl<'m> Lower<'m> {
     /// The value's words once it has the form of `like`.
     pub(super) fn words_like(&mut self, value: &Value<'m>, like: &Value<'m>, ty: &Type) -> Vec<Atom> {
         let mut words = Vec::new();
-        if layout::scalars(self.module, ty).is_some() {
+        if self.layouts.is_data(ty) {
             self.flatten(value, ty, &mut words);
         } else {
             let value = self.coerce(value, like, ty);

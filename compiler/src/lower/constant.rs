@@ -5,8 +5,8 @@ use super::words::dissect_any;
 use super::{Builder, Env, Lower};
 use crate::core::{Atom, Block, Const, Function, Mark, Op, Program, Scalar};
 use crate::interpret::{self, NoHost};
-use crate::layout;
 use crate::typed::ConstId;
+use std::rc::Rc;
 
 /// Steps that a constant may take; a longer one is evaluated where it is used.
 const FUEL: u64 = 2_000_000;
@@ -33,8 +33,9 @@ impl<'m> Lower<'m> {
     /// The constant's value if the interpreter can find it.
     fn computed(&mut self, id: ConstId) -> Option<Value<'m>> {
         let definition = &self.module.consts[id.0 as usize];
-        let results = layout::scalars(self.module, &definition.ty)?;
+        let results = self.layouts.scalars(&definition.ty)?;
         let mut apart = Lower::new(self.module, self.settings, self.yields.clone());
+        apart.layouts = Rc::clone(&self.layouts);
         apart.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
         apart.functions.push(None);
         (apart.fuel, apart.spent) = (self.fuel, self.spent);

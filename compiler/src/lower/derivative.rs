@@ -6,7 +6,6 @@ use super::call::Application;
 use super::value::Value;
 use crate::core::{FnId, Op};
 use crate::derive::Request;
-use crate::layout;
 use crate::source::Span;
 use crate::typed::Type;
 
@@ -17,7 +16,7 @@ impl<'m> Lower<'m> {
             return self.placeholder(at.result);
         }
         let callee = self.callee(f);
-        let scalars = layout::scalars(self.module, at.result).expect("slopes are numbers or vectors");
+        let scalars = self.layouts.scalars(at.result).expect("slopes are numbers or vectors");
         let (base, _, words) = self.specialise(&callee, &Application { result: &Type::F32, ..at.clone() });
         let hole = self.hole(base, scalars.len(), at.span);
         let words = self.emit(Op::Call(hole, words), &scalars);

@@ -5,7 +5,6 @@ use super::value::{Capture, Closure, Lambda, Value};
 use super::value::{MOST_WEIGHT, weight_of};
 use super::{Env, Lower, WORK_LIMIT};
 use crate::core::{Atom, Const, Op, Prim, Scalar};
-use crate::layout;
 use crate::source::Span;
 use crate::typed::{BinaryOp, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
 use rustc_hash::FxHashMap;
@@ -120,12 +119,12 @@ impl<'m> Lower<'m> {
 
     /// A value that stands in after an error, or for one that is not known to come at all.
     pub(super) fn placeholder(&self, ty: &Type) -> Value<'m> {
-        match layout::scalars(self.module, ty) {
+        match self.layouts.scalars(ty) {
             Some(scalars) => {
                 let mut zeros = scalars.into_iter().map(|s| Atom::Const(Const::from_word(s, 0)));
                 self.unflatten(ty, &mut zeros)
             }
-            None => match layout::items(self.module, ty) {
+            None => match self.layouts.items(ty) {
                 Some(items) => Value::Group(items.iter().map(|t| self.placeholder(t)).collect()),
                 None => Value::Never,
             },
@@ -138,8 +137,7 @@ impl<'m> Lower<'m> {
             if self.slots.contains_key(&id) {
                 return self.slot_value(id, first);
             }
-            let scalars =
-                layout::scalars(self.module, &definition.ty).expect("live parameters are first order");
+            let scalars = self.layouts.scalars(&definition.ty).expect("live parameters are first order");
             let mut words = Vec::with_capacity(scalars.len());
             for (at, scalar) in scalars.iter().enumerate() {
                 words.push(self.emit(Op::Live(first + at as u32), &[*scalar])[0]);
@@ -256,7 +254,7 @@ impl<'m> Lower<'m> {
         if self.too_large() {
             return;
         }
-        if let Type::Enum(id, args) = ty {
+        if let Type::Enum(id, _) = ty {
             let (ta, pa) = self.enum_words(a, ty);
             let (tb, pb) = self.enum_words(b, ty);
             let words = (ty.clone(), [&[ta, tb], pa.as_slice(), pb.as_slice()].concat());
@@ -266,14 +264,14 @@ impl<'m> Lower<'m> {
                 return;
             }
             let mut all = self.prim(Prim::Eq, Scalar::I32, vec![ta, tb]);
-            let variants = layout::variants(self.module, *id, args);
-            for tag in 0..variants.len() as u32 {
-                if variants[tag as usize].is_empty() {
+            for tag in 0..self.module.enums[id.0 as usize].variants.len() as u32 {
+                let types = self.layouts.fields(ty, tag);
+                if types.len() == 0 {
                     continue;
                 }
-                let fields_a = self.unpack(*id, args, tag, &pa);
-                let fields_b = self.unpack(*id, args, tag, &pb);
-                let group = Type::Tuple(variants[tag as usize].clone());
+                let fields_a = self.unpack(ty, tag, &pa);
+                let fields_b = self.unpack(ty, tag, &pb);
+                let group = Type::Tuple(types.iter().cloned().collect());
                 let (fields_a, fields_b) = (Value::Group(fields_a.into()), Value::Group(fields_b.into()));
                 let same = self.equal_once(&fields_a, &fields_b, &group, compared).atom();
                 let tag_atom = Atom::Const(Const::I32(tag as i32));
@@ -286,9 +284,9 @@ impl<'m> Lower<'m> {
             ys.push(Atom::Const(Const::Bool(true)));
             return;
         }
-        match layout::items(self.module, ty) {
+        match self.layouts.items(ty) {
             Some(items) => {
-                for ((a, b), t) in a.items().iter().zip(b.items()).zip(&items) {
+                for ((a, b), t) in a.items().iter().zip(b.items()).zip(items.iter()) {
                     self.equality_words(a, b, t, (xs, ys), compared);
                 }
             }

@@ -3,7 +3,7 @@
 use super::value::Value;
 use super::{Env, Lower};
 use crate::core::{Atom, Const, Op, Prim, Scalar};
-use crate::layout;
+use crate::layout::Items;
 use crate::source::Span;
 use crate::typed::{Arm, Expr, LocalId, Pattern, PatternKind, Type};
 use std::collections::BTreeMap;
@@ -159,7 +159,7 @@ impl<'m> Lower<'m> {
                 self.prim(Prim::Eq, constant.scalar(), vec![value.atom(), Atom::Const(constant)])
             }
             PatternKind::Tuple(items) | PatternKind::Struct(_, items) => {
-                let types = layout::items(self.module, ty).expect("a product pattern has a product type");
+                let types = self.layouts.items(ty).expect("a product pattern has a product type");
                 self.test_all(items, value.items(), &types)
             }
             PatternKind::Variant(_, tag, fields) => {
@@ -178,9 +178,9 @@ impl<'m> Lower<'m> {
         }
     }
 
-    fn test_all(&mut self, patterns: &[Pattern], values: &[Value<'m>], types: &[Type]) -> Atom {
+    fn test_all(&mut self, patterns: &[Pattern], values: &[Value<'m>], types: &Items) -> Atom {
         let mut all = TRUE;
-        for ((pattern, value), ty) in patterns.iter().zip(values).zip(types) {
+        for ((pattern, value), ty) in patterns.iter().zip(values).zip(types.iter()) {
             let fits = self.test(pattern, value, ty);
             all = self.prim(Prim::And, Scalar::Bool, vec![all, fits]);
         }
@@ -188,14 +188,16 @@ impl<'m> Lower<'m> {
     }
 
     /// A value looked at as variant `tag`: whether it is (a Bool), its fields then, their types. `None` if it cannot be.
-    fn variant(
+    fn variant<'t>(
         &mut self,
         tag: u32,
         value: &Value<'m>,
-        ty: &Type,
-    ) -> Option<(Atom, Vec<Value<'m>>, Vec<Type>)> {
-        let Type::Enum(id, args) = ty else { unreachable!("a variant pattern has an enum type") };
-        let types = layout::variants(self.module, *id, args).swap_remove(tag as usize);
+        ty: &'t Type,
+    ) -> Option<(Atom, Vec<Value<'m>>, Items<'t>)>
+    where
+        'm: 't,
+    {
+        let types = self.layouts.fields(ty, tag);
         let is = |l: &mut Self, tags: Atom, wanted: u32| {
             l.prim(Prim::Eq, Scalar::I32, vec![tags, Atom::Const(Const::I32(wanted as i32))])
         };
@@ -203,7 +205,7 @@ impl<'m> Lower<'m> {
             Value::Variant(known, fields) if *known == tag => (TRUE, fields.clone(), types),
             Value::Variant(..) => return None,
             Value::Enum(tags, payload) => {
-                let fields = self.unpack(*id, args, tag, payload);
+                let fields = self.unpack(ty, tag, payload);
                 (is(self, *tags, tag), fields, types)
             }
             Value::Choice(candidates, tags, payload) => {
@@ -227,8 +229,8 @@ impl<'m> Lower<'m> {
                 env.locals.insert(*id, value.clone());
             }
             PatternKind::Tuple(items) | PatternKind::Struct(_, items) => {
-                let types = layout::items(self.module, ty).expect("a product pattern has a product type");
-                for ((item, value), ty) in items.iter().zip(value.items()).zip(&types) {
+                let types = self.layouts.items(ty).expect("a product pattern has a product type");
+                for ((item, value), ty) in items.iter().zip(value.items()).zip(types.iter()) {
                     self.bind(item, value, ty, env);
                 }
             }
@@ -236,7 +238,7 @@ impl<'m> Lower<'m> {
                 let Some((_, values, types)) = self.variant(*tag, value, ty) else {
                     return self.bind_never(pattern, env);
                 };
-                for ((field, value), ty) in fields.iter().zip(&values).zip(&types) {
+                for ((field, value), ty) in fields.iter().zip(&values).zip(types.iter()) {
                     self.bind(field, value, ty, env);
                 }
             }

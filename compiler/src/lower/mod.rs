@@ -27,14 +27,15 @@ use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, 
 use crate::derive::{self, Request};
 use crate::diagnostic::Diagnostic;
 use crate::entry::misfit;
-use crate::layout;
+use crate::layout::Layouts;
 use crate::scalar;
-use crate::source::Span;
+use crate::source::{SourceId, Span};
 use crate::typed::{ConstId, Expr, FunctionId, Local, LocalId, Module, ParamId, Type};
 use call::{Application, Callee, Frame};
 use rustc_hash::FxHashMap;
 pub use slot::Slot;
 use specialise::{Job, Key};
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 use std::rc::Rc;
 use value::Value;
@@ -137,9 +138,12 @@ pub fn slots(module: &Module, settings: &Settings) -> Result<Vec<Slot>, Vec<Diag
 struct Lower<'m> {
     module: &'m Module,
     settings: &'m Settings,
+    layouts: Rc<Layouts<'m>>,
     functions: Vec<Option<Function>>,
     known: FxHashMap<Key, FnId>,
     names: HashMap<String, u32>,
+    /// Functions by the places where their bodies begin.
+    places: OnceCell<BTreeMap<(SourceId, u32), usize>>,
     queue: VecDeque<Job<'m>>,
     builder: Builder,
     statements: usize,
@@ -199,9 +203,11 @@ impl<'m> Lower<'m> {
         Lower {
             module,
             settings,
+            layouts: Rc::new(Layouts::new(module)),
             functions: Vec::new(),
             known: FxHashMap::default(),
             names: HashMap::new(),
+            places: OnceCell::new(),
             queue: VecDeque::new(),
             builder: Builder::default(),
             statements: 0,
@@ -254,7 +260,7 @@ impl<'m> Lower<'m> {
         let mut word = 0;
         for id in &self.settings.live {
             let param = &self.module.params[id.0 as usize];
-            let scalars = match (&param.ty, layout::scalars(self.module, &param.ty)) {
+            let scalars = match (&param.ty, self.layouts.scalars(&param.ty)) {
                 (_, Some(scalars)) => scalars,
                 (Type::Fn(..), None) => {
                     // Its first value is found like a body's.

@@ -5,7 +5,6 @@ use super::value::Value;
 use super::words::shape;
 use super::{Env, Lower};
 use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Stmt, Var};
-use crate::layout;
 use crate::source::Span;
 use crate::typed::{Expr, RangeForm, RangeOp, Type};
 
@@ -22,7 +21,7 @@ impl<'m> Lower<'m> {
         let ty = env.ty(&expr.ty);
         let init = form.init.as_ref().map(|init| self.expr(init, env));
         let f = self.expr(&form.f, env);
-        let Some(scalars) = layout::scalars(self.module, &ty) else {
+        let Some(scalars) = self.layouts.scalars(&ty) else {
             let init = init.expect("only `fold` yields functions");
             return self.fold_functions((lo, hi), &init, &f, &ty, expr.span);
         };

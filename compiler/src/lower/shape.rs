@@ -3,6 +3,7 @@
 use crate::builtins::Builtin;
 use crate::source::Span;
 use crate::typed::{Expr, FunctionId, Type};
+use std::rc::Rc;
 
 /// What specialisation keys on: the statically known part of an argument.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -11,13 +12,13 @@ pub enum Shape {
     Words,
     Group(Vec<Shape>),
     Variant(u32, Vec<Shape>),
-    Function(FunctionId, Vec<String>),
+    Function(FunctionId, Vec<Type>),
     Builtin(Builtin),
     Raster(u32),
     VariantFunction(u32),
     StructFunction,
     /// Shapes of the captured values.
-    Lambda(Identity, Vec<String>, Vec<Shape>),
+    Lambda(Identity, Rc<Vec<Type>>, Vec<Shape>),
     Derivative(Box<Shape>),
     Choice(Vec<Shape>),
     Never,
@@ -95,9 +96,4 @@ impl Identity {
         let (source, start, end) = self.place;
         Span { source: crate::source::SourceId(source), start, end }
     }
-}
-
-/// Type arguments as a hashable key.
-pub fn type_key(types: &[Type]) -> Vec<String> {
-    types.iter().map(|t| format!("{t:?}")).collect()
 }

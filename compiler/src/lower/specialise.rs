@@ -12,10 +12,13 @@ use super::{Builder, Lower, STATEMENT_LIMIT, WORDS_OF_A_STATEMENT};
 use crate::codes;
 use crate::core::{Atom, Block, FnId, Function, Intrinsic, Mark, Op, Scalar, Var};
 use crate::diagnostic::Diagnostic;
-use crate::layout;
 use crate::resolve::size::{MAX_NODES, substituted_nodes};
 use crate::source::Span;
 use crate::typed::{self, FunctionId, Type};
+
+/// Nodes of the types of one specialisation; each further one counts as a statement, as every expression of the body
+/// has such types.
+const FEW_NODES: usize = 16;
 
 /// What tells one specialisation from another.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -56,7 +59,7 @@ impl<'m> Lower<'m> {
     /// Calls the specialisation of `callee` for these arguments.
     pub(super) fn call_specialised(&mut self, callee: &Callee<'m>, at: &Application<'_, 'm>) -> Value<'m> {
         let (id, key, words) = self.specialise(callee, at);
-        if let Some(scalars) = layout::scalars(self.module, at.result) {
+        if let Some(scalars) = self.layouts.scalars(at.result) {
             let words = self.emit(Op::Call(id, words), &scalars);
             return self.unflatten(at.result, &mut words.into_iter());
         }
@@ -122,7 +125,7 @@ impl<'m> Lower<'m> {
         };
         let types = at.params.iter().map(|t| substituted_nodes(t, &[])).sum::<u64>() + types;
         let types = if types > MAX_NODES { STATEMENT_LIMIT * WORDS_OF_A_STATEMENT } else { types as usize };
-        self.spend(1 + (words.len() + types) / WORDS_OF_A_STATEMENT);
+        self.spend(1 + (words.len() + types) / WORDS_OF_A_STATEMENT + types.saturating_sub(FEW_NODES));
         let id = FnId(self.functions.len() as u32);
         self.functions.push(None);
         self.known.insert(key.clone(), id);
@@ -153,13 +156,7 @@ impl<'m> Lower<'m> {
             Callee::Function(id, _) => Some(&self.module.functions[id.0 as usize]),
             Callee::Value(Value::Function(closure)) => {
                 let place = closure.lambda().map(|l| l.body.span);
-                place.and_then(|place| {
-                    let holds = |f: &&typed::Function| {
-                        let body = f.body.span;
-                        body.source == place.source && body.start <= place.start && place.end <= body.end
-                    };
-                    self.module.functions.iter().find(holds)
-                })
+                place.and_then(|place| self.holder(place))
             }
             Callee::Value(_) => None,
         };
@@ -175,6 +172,16 @@ impl<'m> Lower<'m> {
             }
             (_, None) => ("apply".into(), self.called.unwrap_or(self.module.functions[0].span)),
         }
+    }
+
+    /// The function in whose body a place lies.
+    fn holder(&self, place: Span) -> Option<&'m typed::Function> {
+        let functions = &self.module.functions;
+        let begin = |(at, f): (usize, &typed::Function)| ((f.body.span.source, f.body.span.start), at);
+        let places = self.places.get_or_init(|| functions.iter().enumerate().map(begin).collect());
+        let (_, at) = places.range(..=(place.source, place.start)).next_back()?;
+        let body = functions[*at].body.span;
+        (body.source == place.source && place.end <= body.end).then(|| &functions[*at])
     }
 
     fn unique(&mut self, name: &str) -> String {
@@ -236,7 +243,7 @@ impl<'m> Lower<'m> {
 
     /// Words of what a specialisation yields; what is new about them is noted for the next pass.
     fn results(&mut self, job: &Job<'m>, value: &Value<'m>) -> Vec<Atom> {
-        if layout::scalars(self.module, &job.result).is_some() {
+        if self.layouts.is_data(&job.result) {
             return self.words_like(value, value, &job.result);
         }
         let like = match self.yields.get(&job.key).cloned() {

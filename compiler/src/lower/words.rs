@@ -1,28 +1,28 @@
 //! Values to and from machine words. What is static in a value stays out of its words and is its shape.
 
 use super::Lower;
-use super::shape::{Shape, type_key};
+use super::shape::Shape;
 use super::value::{Closure, Value};
 use crate::core::{Atom, Const, Prim, Scalar};
-use crate::layout;
-use crate::typed::{EnumId, Type};
+use crate::typed::Type;
 use std::rc::Rc;
 
 impl<'m> Lower<'m> {
     /// Splits a value into its static shape and the machine words it carries.
     pub fn dissect(&mut self, value: &Value<'m>, ty: &Type, words: &mut Vec<Atom>) -> Shape {
-        if layout::scalars(self.module, ty).is_some() {
+        if self.layouts.is_data(ty) {
             self.flatten(value, ty, words);
             return Shape::Words;
         }
         match (value, ty) {
             (Value::Group(items), _) => {
-                let types = layout::items(self.module, ty).expect("a group has a product type");
-                Shape::Group(items.iter().zip(&types).map(|(v, t)| self.dissect(v, t, words)).collect())
+                let types = self.layouts.items(ty).expect("a group has a product type");
+                Shape::Group(items.iter().zip(types.iter()).map(|(v, t)| self.dissect(v, t, words)).collect())
             }
-            (Value::Variant(tag, fields), Type::Enum(id, args)) => {
-                let types = layout::variants(self.module, *id, args).swap_remove(*tag as usize);
-                let shapes = fields.iter().zip(&types).map(|(v, t)| self.dissect(v, t, words)).collect();
+            (Value::Variant(tag, fields), Type::Enum(..)) => {
+                let types = self.layouts.fields(ty, *tag);
+                let shapes =
+                    fields.iter().zip(types.iter()).map(|(v, t)| self.dissect(v, t, words)).collect();
                 Shape::Variant(*tag, shapes)
             }
             _ => dissect_any(value, words),
@@ -31,17 +31,18 @@ impl<'m> Lower<'m> {
 
     /// The value of `dissect`'s shape again, its words taken from `words`.
     pub fn rebuild(&self, like: &Value<'m>, ty: &Type, words: &mut impl Iterator<Item = Atom>) -> Value<'m> {
-        if layout::scalars(self.module, ty).is_some() {
+        if self.layouts.is_data(ty) {
             return self.unflatten(ty, words);
         }
         match (like, ty) {
             (Value::Group(items), _) => {
-                let types = layout::items(self.module, ty).expect("a group has a product type");
-                Value::Group(items.iter().zip(&types).map(|(v, t)| self.rebuild(v, t, words)).collect())
+                let types = self.layouts.items(ty).expect("a group has a product type");
+                Value::Group(items.iter().zip(types.iter()).map(|(v, t)| self.rebuild(v, t, words)).collect())
             }
-            (Value::Variant(tag, fields), Type::Enum(id, args)) => {
-                let types = layout::variants(self.module, *id, args).swap_remove(*tag as usize);
-                let fields = fields.iter().zip(&types).map(|(v, t)| self.rebuild(v, t, words)).collect();
+            (Value::Variant(tag, fields), Type::Enum(..)) => {
+                let types = self.layouts.fields(ty, *tag);
+                let fields =
+                    fields.iter().zip(types.iter()).map(|(v, t)| self.rebuild(v, t, words)).collect();
                 Value::Variant(*tag, fields)
             }
             (like, _) => rebuild_any(like, words),
@@ -66,7 +67,7 @@ impl<'m> Lower<'m> {
 
     /// A first-order value of type `ty` with typed zeros for its words.
     pub fn zeros(&self, ty: &Type) -> Option<Value<'m>> {
-        let scalars = layout::scalars(self.module, ty)?;
+        let scalars = self.layouts.scalars(ty)?;
         Some(self.unflatten(ty, &mut scalars.into_iter().map(zero)))
     }
 
@@ -79,14 +80,13 @@ impl<'m> Lower<'m> {
                 words.extend(payload);
             }
             Value::Group(items) => {
-                let types = layout::items(self.module, ty).expect("a group has a product type");
-                for (item, ty) in items.iter().zip(&types) {
+                let types = self.layouts.items(ty).expect("a group has a product type");
+                for (item, ty) in items.iter().zip(types.iter()) {
                     self.flatten(item, ty, words);
                 }
             }
             Value::Variant(tag, fields) => {
-                let Type::Enum(id, args) = ty else { unreachable!("a variant has an enum type") };
-                let (tag_atom, payload) = self.pack(*id, args, *tag, fields);
+                let (tag_atom, payload) = self.pack(ty, *tag, fields);
                 words.push(tag_atom);
                 words.extend(payload);
             }
@@ -97,11 +97,10 @@ impl<'m> Lower<'m> {
     }
 
     /// Tag and payload words of a variant.
-    fn pack(&mut self, id: EnumId, args: &[Type], tag: u32, fields: &[Value<'m>]) -> (Atom, Vec<Atom>) {
-        let variants = layout::variants(self.module, id, args);
-        let target = layout::payload(self.module, &variants).expect("first-order payload");
+    fn pack(&mut self, ty: &Type, tag: u32, fields: &[Value<'m>]) -> (Atom, Vec<Atom>) {
+        let target = self.layouts.payload(ty).expect("first-order payload");
         let mut own = Vec::new();
-        for (field, ty) in fields.iter().zip(&variants[tag as usize]) {
+        for (field, ty) in fields.iter().zip(self.layouts.fields(ty, tag).iter()) {
             self.flatten(field, ty, &mut own);
         }
         let mut payload = Vec::with_capacity(target.len());
@@ -117,25 +116,23 @@ impl<'m> Lower<'m> {
     /// A first-order value from its words.
     pub fn unflatten(&self, ty: &Type, words: &mut impl Iterator<Item = Atom>) -> Value<'m> {
         let mut next = || words.next().expect("as many words as the type has");
-        if let Some(items) = layout::items(self.module, ty) {
+        if let Some(items) = self.layouts.items(ty) {
             return Value::Group(items.iter().map(|t| self.unflatten(t, words)).collect());
         }
-        if let Type::Enum(id, args) = ty {
-            let payload = layout::payload(self.module, &layout::variants(self.module, *id, args));
+        if let Type::Enum(..) = ty {
+            let payload = self.layouts.payload(ty).expect("first-order payload");
             let tag = next();
-            let payload = payload.expect("first-order payload").iter().map(|_| next()).collect();
+            let payload = payload.iter().map(|_| next()).collect();
             return Value::Enum(tag, payload);
         }
         Value::Atom(next())
     }
 
     /// Fields of variant `tag` of an enum that only the machine knows.
-    pub fn unpack(&mut self, id: EnumId, args: &[Type], tag: u32, payload: &[Atom]) -> Vec<Value<'m>> {
-        let types = layout::variants(self.module, id, args).swap_remove(tag as usize);
-        let scalars: Vec<Scalar> = types
-            .iter()
-            .flat_map(|t| layout::scalars(self.module, t).expect("first-order payload"))
-            .collect();
+    pub fn unpack(&mut self, ty: &Type, tag: u32, payload: &[Atom]) -> Vec<Value<'m>> {
+        let types = self.layouts.fields(ty, tag);
+        let scalars = types.iter().flat_map(|t| self.layouts.scalars(t).expect("first-order payload"));
+        let scalars: Vec<Scalar> = scalars.collect();
         let words: Vec<Atom> = payload.iter().zip(&scalars).map(|(a, s)| self.as_word(*a, *s)).collect();
         let mut words = words.into_iter();
         types.iter().map(|t| self.unflatten(t, &mut words)).collect()
@@ -187,14 +184,14 @@ pub fn dissect_any(value: &Value, words: &mut Vec<Atom>) -> Shape {
 
 fn dissect_closure(closure: &Closure, words: &mut Vec<Atom>) -> Shape {
     match closure {
-        Closure::Function(id, types) => Shape::Function(*id, type_key(types)),
+        Closure::Function(id, types) => Shape::Function(*id, types.clone()),
         Closure::Builtin(builtin) => Shape::Builtin(*builtin),
         Closure::Raster(id) => Shape::Raster(id.0),
         Closure::Variant(tag) => Shape::VariantFunction(*tag),
         Closure::Struct => Shape::StructFunction,
         Closure::Lambda(lambda) => {
             let shapes = lambda.captures.iter().map(|c| dissect_any(&c.value, words)).collect();
-            Shape::Lambda(lambda.identity(), type_key(&lambda.types), shapes)
+            Shape::Lambda(lambda.identity(), Rc::clone(&lambda.types), shapes)
         }
         Closure::Derivative(f) => Shape::Derivative(Box::new(dissect_any(f, words))),
     }

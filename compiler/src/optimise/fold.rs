@@ -3,6 +3,7 @@
 //! variable that equals an atom is replaced by it.
 
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 use super::common::Seen;
 use super::identity::{as_const, identity};
@@ -97,7 +98,7 @@ impl Folder {
     }
 
     fn simpler(&self, prim: Prim, on: Scalar, args: &[Atom]) -> Simpler {
-        let constants: Vec<_> = args.iter().filter_map(|a| as_const(*a)).collect();
+        let constants: SmallVec<[Const; 4]> = args.iter().filter_map(|a| as_const(*a)).collect();
         if constants.len() == args.len() {
             return Simpler::Atom(Atom::Const(scalar::eval(prim, on, &constants)));
         }

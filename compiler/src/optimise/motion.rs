@@ -7,14 +7,18 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::core::walk::{Free, calls_any, free_in_stmt};
+use crate::core::walk::{Free, VarMap, calls_any, free_in_stmt};
 use crate::core::{Atom, Block, Function, Op, Prim, Program, Stmt, Var};
 use crate::split::tasks;
 
+/// Blocks around a branch into which no `if` or loop is moved: a chain of them would become as deep as it is long.
+const DEEPEST: usize = 16;
+
 pub fn sink(program: &mut Program) {
     let is_task = tasks(program);
+    let mut sinker = Sinker { is_task: &is_task, sites: Sites::default() };
     for f in &mut program.functions {
-        sink_in(&mut f.body, &is_task);
+        sinker.block(&mut f.body, 0);
     }
 }
 
@@ -26,65 +30,93 @@ enum Site {
     Elsewhere,
 }
 
-fn sink_in(block: &mut Block, is_task: &[bool]) {
-    let mut sites: FxHashMap<Var, Site> = FxHashMap::default();
-    let mut results = Free::default();
-    results.atoms(&block.results);
-    sites.extend(results.vars().into_iter().map(|v| (v, Site::Elsewhere)));
+/// Who uses the variables that one block uses.
+#[derive(Default)]
+struct Sites {
+    of: VarMap<Site>,
+    noted: Vec<Var>,
+}
 
-    // From the last statement to the first, so that a moved statement takes its operands along.
-    let mut moved: FxHashMap<(usize, usize), Vec<Stmt>> = FxHashMap::default();
-    let mut kept: Vec<(usize, Stmt)> = Vec::new();
-    for (at, stmt) in std::mem::take(&mut block.stmts).into_iter().enumerate().rev() {
-        let target = target(&stmt, &sites).filter(|_| may_move(&stmt, is_task));
-        note_uses(&mut sites, at, &stmt, target);
-        match target {
-            Some(place) => moved.entry(place).or_default().push(stmt),
-            None => kept.push((at, stmt)),
+impl Sites {
+    fn note(&mut self, vars: &[Var], site: Site) {
+        for v in vars {
+            match self.of.get(*v) {
+                Some(known) if known == site => {}
+                Some(_) => self.of.insert(*v, Site::Elsewhere),
+                None => {
+                    self.of.insert(*v, site);
+                    self.noted.push(*v);
+                }
+            }
         }
     }
-    block.stmts = kept.into_iter().rev().map(|(at, stmt)| with_moved(stmt, at, &mut moved)).collect();
-    for stmt in &mut block.stmts {
-        stmt.op.blocks_mut().for_each(|inner| sink_in(inner, is_task));
+
+    fn clear(&mut self) {
+        for v in self.noted.drain(..) {
+            self.of.set(v, None);
+        }
+    }
+}
+
+struct Sinker<'a> {
+    is_task: &'a [bool],
+    /// One for all blocks, each of which leaves it empty.
+    sites: Sites,
+}
+
+impl Sinker<'_> {
+    fn block(&mut self, block: &mut Block, depth: usize) {
+        let mut results = Free::default();
+        results.atoms(&block.results);
+        self.sites.note(&results.vars(), Site::Elsewhere);
+
+        // From the last statement to the first, so that a moved statement takes its operands along.
+        let mut moved: FxHashMap<(usize, usize), Vec<Stmt>> = FxHashMap::default();
+        let mut kept: Vec<(usize, Stmt)> = Vec::new();
+        for (at, stmt) in std::mem::take(&mut block.stmts).into_iter().enumerate().rev() {
+            let target = target(&stmt, &self.sites).filter(|_| may_move(&stmt, self.is_task, depth));
+            note_uses(&mut self.sites, at, &stmt, target);
+            match target {
+                Some(place) => moved.entry(place).or_default().push(stmt),
+                None => kept.push((at, stmt)),
+            }
+        }
+        self.sites.clear();
+        block.stmts = kept.into_iter().rev().map(|(at, stmt)| with_moved(stmt, at, &mut moved)).collect();
+        for stmt in &mut block.stmts {
+            stmt.op.blocks_mut().for_each(|inner| self.block(inner, depth + 1));
+        }
     }
 }
 
 /// The branch that all uses of the statement's results are in.
-fn target(stmt: &Stmt, sites: &FxHashMap<Var, Site>) -> Option<(usize, usize)> {
-    let mut used = stmt.dst.iter().filter_map(|v| sites.get(v));
-    let first = *used.next()?;
+fn target(stmt: &Stmt, sites: &Sites) -> Option<(usize, usize)> {
+    let mut used = stmt.dst.iter().filter_map(|v| sites.of.get(*v));
+    let first = used.next()?;
     match first {
-        Site::Branch(at, branch) if used.all(|site| *site == first) => Some((at, branch)),
+        Site::Branch(at, branch) if used.all(|site| site == first) => Some((at, branch)),
         _ => None,
     }
 }
 
-fn may_move(stmt: &Stmt, is_task: &[bool]) -> bool {
-    !calls_any(std::slice::from_ref(stmt), is_task)
+fn may_move(stmt: &Stmt, is_task: &[bool], depth: usize) -> bool {
+    (depth < DEEPEST || stmt.op.blocks().next().is_none()) && !calls_any(std::slice::from_ref(stmt), is_task)
 }
 
-fn note_uses(sites: &mut FxHashMap<Var, Site>, at: usize, stmt: &Stmt, target: Option<(usize, usize)>) {
-    let mut note = |vars: Vec<Var>, site: Site| {
-        for v in vars {
-            sites
-                .entry(v)
-                .and_modify(|s| *s = if *s == site { site } else { Site::Elsewhere })
-                .or_insert(site);
-        }
-    };
+fn note_uses(sites: &mut Sites, at: usize, stmt: &Stmt, target: Option<(usize, usize)>) {
     if let Some((at, branch)) = target {
-        return note(free_in_stmt(stmt), Site::Branch(at, branch));
+        return sites.note(&free_in_stmt(stmt), Site::Branch(at, branch));
     }
     let Op::If(cond, yes, no) = &stmt.op else {
-        return note(free_in_stmt(stmt), Site::Elsewhere);
+        return sites.note(&free_in_stmt(stmt), Site::Elsewhere);
     };
     if let Atom::Var(v) = cond {
-        note(vec![*v], Site::Elsewhere);
+        sites.note(&[*v], Site::Elsewhere);
     }
     for (branch, block) in [yes, no].into_iter().enumerate() {
         let mut free = Free::default();
         free.block(block);
-        note(free.vars(), Site::Branch(at, branch));
+        sites.note(&free.vars(), Site::Branch(at, branch));
     }
 }
 

@@ -29,6 +29,9 @@ const LONGEST: usize = 64;
 /// Levels of a block up to which `sink` alone moves statements.
 const FEW_LEVELS: usize = 16;
 
+/// Operands of all continuations; a program that needs more is refused. Each call of a task passes on what is live.
+const MOST_WORDS: usize = 500_000;
+
 /// A task before it gets its number and name; token ids are indices of drafts.
 pub struct Draft {
     /// The function whose variables the draft uses.
@@ -40,15 +43,16 @@ pub struct Draft {
 }
 
 /// Splits what `entry` reaches. Draft 0 is the entry's task.
-pub fn split(functions: &mut Vec<Function>, is_task: Vec<bool>, entry: usize) -> Vec<Draft> {
+pub fn split(functions: &mut Vec<Function>, is_task: Vec<bool>, entry: usize) -> Option<Vec<Draft>> {
     let roots = vec![None; functions.len()];
     let names = Names::of(functions.iter());
-    let mut splitter = Splitter { functions, is_task, roots, drafts: Vec::new(), open: Vec::new(), names };
+    let mut splitter =
+        Splitter { functions, is_task, roots, drafts: Vec::new(), open: Vec::new(), names, words: 0 };
     splitter.root(entry);
     while let Some(f) = splitter.open.pop() {
         splitter.function(f);
     }
-    splitter.drafts
+    (splitter.words <= MOST_WORDS).then_some(splitter.drafts)
 }
 
 /// Where the results of a block go: an emission with a variable for each result.
@@ -109,6 +113,8 @@ struct Splitter<'a> {
     /// Functions whose draft is still empty.
     open: Vec<usize>,
     names: Names,
+    /// Operands of all continuations so far.
+    words: usize,
 }
 
 impl Splitter<'_> {
@@ -185,6 +191,9 @@ impl Splitter<'_> {
     }
 
     fn block(&mut self, f: usize, block: Block, finish: &Finish) -> TailBlock {
+        if self.words > MOST_WORDS {
+            return TailBlock { stmts: Vec::new(), tail: Tail::Emit(Vec::new()) };
+        }
         let mut levels = self.levels(block.stmts, &block.results);
         let Level { before, .. } = levels.pop().unwrap_or_default();
         let mut after = match &finish.join {
@@ -196,6 +205,9 @@ impl Splitter<'_> {
         };
         // From the end, because what comes after is an operand of what comes before.
         for Level { before, mut ready, .. } in levels.into_iter().rev() {
+            if self.words > MOST_WORDS {
+                break;
+            }
             let is_if = matches!(ready.as_slice(), [Stmt { op: Op::If(..), .. }]);
             after = match ready.pop() {
                 Some(Stmt { dst, op: Op::If(cond, yes, no) }) if is_if => {
@@ -290,7 +302,8 @@ impl Splitter<'_> {
         prune(&mut block);
         let mut live: Vec<_> = free(&block).into_iter().filter(|v| !given.contains(v)).collect();
         live.sort();
-        let params = live.iter().chain(results).copied().collect();
+        let params: Vec<Var> = live.iter().chain(results).copied().collect();
+        self.words += params.len();
         let task = self.draft(Draft { function: f, is_root: false, params, body: block });
         (live, task)
     }

@@ -206,7 +206,7 @@ pub fn program(text: &str) -> Program {
 
 fn split_text(text: &str) -> (Program, Table, TaskId) {
     let program = program(text);
-    let (table, entry) = split(&program);
+    let (table, entry) = split(&program).expect("few words");
     table::verify::table(&table, &[]).unwrap_or_else(|why| panic!("{why}\n{}", table::print::table(&table)));
     (program, table, entry)
 }
@@ -376,7 +376,7 @@ fn long_loops_become_tasks_and_so_does_what_holds_them() {
         let mut program = program(&loops_in_helpers(turns));
         assert!(super::lift::has_long_loops(&program, 100));
         super::lift::long_loops(&mut program, 100);
-        let (table, entry) = split(&program);
+        let (table, entry) = split(&program).expect("few words");
         let args = [Const::I32(300)];
         let direct = run(&program, &args, &NoHost, 1_000_000);
         assert_eq!(rewrite(&table, entry, &args, 1_000_000), direct);
@@ -423,7 +423,7 @@ fn long_chains_split_in_reasonable_time() {
          fn f(n: i32) -> (i32) {{ a0: i32 = add.i32(n, 1) c0: i32 = add.i32(n, 2) {body} yield c500 }}"
     );
     let start = std::time::Instant::now();
-    let back = crate::back::back(program(&text));
+    let back = crate::back::back(program(&text)).expect("few words");
     assert_eq!(back.table.tasks.len(), 501);
     let seconds = start.elapsed().as_secs();
     assert!(seconds < 20, "{seconds} s");

@@ -130,7 +130,7 @@ mod tests {
     use crate::table::TaskId;
 
     fn fib() -> Table {
-        split(&parse::program(crate::split::tests::FIB).expect("parses")).0
+        split(&parse::program(crate::split::tests::FIB).expect("parses")).expect("few words").0
     }
 
     /// The last exit of `fib`: `n-1 fib n-2 fib fib.1`.

@@ -59,7 +59,7 @@ pub fn check(wgsl: &Wgsl) {
 fn written(text: &str) -> Wgsl {
     let program = parse::program(text).unwrap_or_else(|why| panic!("{why}\n{text}"));
     verify::program(&program).expect("is core");
-    let (table, entry) = split(&program);
+    let (table, entry) = split(&program).expect("few words");
     let wgsl = emit(&table, entry);
     check(&wgsl);
     wgsl
@@ -233,7 +233,7 @@ fn nesting_is_bounded() {
         let text = format!("entry f fn f(n: i32) -> (i32) {{ {body} }}");
         let run = move || {
             let source = parse::program(&text).expect("parses");
-            let back = crate::back::back(source.clone());
+            let back = crate::back::back(source.clone()).expect("few words");
             check(&back.wgsl);
             assert!(nesting(&back.wgsl.text) < 40, "{}", nesting(&back.wgsl.text));
             for n in [0, 20, 299, 1200] {

@@ -8,7 +8,7 @@ pub struct Text {
     pub text: String,
 }
 
-fn text(name: impl Into<String>, text: impl Into<String>) -> Text {
+pub fn text(name: impl Into<String>, text: impl Into<String>) -> Text {
     Text { name: name.into(), text: text.into() }
 }
 
@@ -18,7 +18,7 @@ fn main_of(body: &str) -> String {
 }
 
 /// `piece` with `#` for the number of the repetition and `%` for the one before it, up to `bytes`.
-fn numbered(piece: &str, bytes: usize) -> String {
+pub fn numbered(piece: &str, bytes: usize) -> String {
     let mut out = String::with_capacity(bytes + piece.len());
     let mut i = 1;
     while out.len() < bytes {
@@ -29,7 +29,7 @@ fn numbered(piece: &str, bytes: usize) -> String {
 }
 
 /// How many repetitions [`numbered`] makes.
-fn count(piece: &str, bytes: usize) -> usize {
+pub fn count(piece: &str, bytes: usize) -> usize {
     let mut left = bytes as isize;
     let mut i = 1;
     while left > 0 {
@@ -40,13 +40,13 @@ fn count(piece: &str, bytes: usize) -> usize {
 }
 
 /// Pieces numbered from 1, with what comes before them and, with `$` for the last number, after them.
-fn chain(name: &str, first: &str, piece: &str, last: &str, bytes: usize) -> Text {
+pub fn chain(name: &str, first: &str, piece: &str, last: &str, bytes: usize) -> Text {
     let n = count(piece, bytes);
     text(name, format!("{first}{}{}", numbered(piece, bytes), last.replace('$', &n.to_string())))
 }
 
 /// The same with `n` pieces, for what grows by itself.
-fn grown(name: &str, first: &str, piece: &str, last: &str, n: usize) -> Text {
+pub fn grown(name: &str, first: &str, piece: &str, last: &str, n: usize) -> Text {
     let mut out = first.to_string();
     for i in 1..=n {
         out += &piece.replace('#', &i.to_string()).replace('%', &(i - 1).to_string());

@@ -171,7 +171,7 @@ fn dead(n: i32) -> (i32) {
 fn load(text: &str) -> (Program, Table, TaskId) {
     let program = parse::program(text).expect("parses");
     verify::program(&program).expect("is core");
-    let (table, entry) = split(&program);
+    let (table, entry) = split(&program).expect("few words");
     (program, table, entry)
 }
 
@@ -526,8 +526,8 @@ fn compare_random(seed: u64) -> usize {
     const FUEL: u64 = 200_000;
     let text = random::program(seed);
     let source = parse::program(&text).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}"));
-    let (plain, plain_entry) = split(&source);
-    let optimised = back(source.clone());
+    let (plain, plain_entry) = split(&source).expect("few words");
+    let optimised = back(source.clone()).expect("few words");
     let mut compared = 0;
     for depth in [0, 1, 3] {
         let args =

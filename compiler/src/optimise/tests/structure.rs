@@ -13,8 +13,9 @@ use crate::table::{Table, Tail, TailBlock};
 fn structure(text: &str) -> String {
     let checked = check(Source::new("test.ghyll", text)).expect("a program");
     let entry = checked.module.function("main").expect("a main");
-    let table =
-        back(lower(&checked.module, entry, Asked::Plainly, &Settings::default()).expect("lowers")).table;
+    let table = back(lower(&checked.module, entry, Asked::Plainly, &Settings::default()).expect("lowers"))
+        .expect("few words")
+        .table;
     let stats = stats(&table);
     let task = |r: &crate::back::Rewrite| {
         let exits: Vec<_> = r.emissions.iter().map(|(words, tokens)| format!("{words}+{tokens}")).collect();

@@ -153,6 +153,11 @@ impl GpuTerrain {
         [self.scene.size(), size(&self.samples), bounds, size(&self.rasters), further]
     }
 
+    /// Numbers of the bindings that there are buffers for.
+    pub fn bindings(&self) -> Vec<u32> {
+        self.buffers().iter().map(|(binding, _)| *binding).collect()
+    }
+
     /// Layout of bind group 1 with the bindings that there are buffers for.
     pub fn layout(&self, device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let read = wgpu::BufferBindingType::Storage { read_only: true };

@@ -43,6 +43,7 @@ impl Kernels {
             let layout = uploaded.layout(&gpu.device);
             let group = uploaded.bind_group(&gpu.device, &layout);
             let bytes = uploaded.bytes().iter().sum();
+            let layout = gpu::SceneLayout { layout, bindings: uploaded.bindings() };
             (terrain, bound) = (Some(uploaded), Some(gpu::Scene { layout, group, bytes }));
         }
         let engine = |function: FunctionId, back: &Back, components: u32| {

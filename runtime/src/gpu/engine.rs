@@ -8,7 +8,7 @@ use super::device::Gpu;
 use super::fuel::Fuel;
 use super::image::{PIXEL_FUEL, PIXEL_SHARE};
 use super::layout::{NO_TASK, Params, State};
-use super::pipelines::{Groups, Pipelines};
+use super::pipelines::{Groups, Pipelines, SceneLayout};
 use super::readback::Readback;
 use super::shape::Shape;
 use crate::config::{Config, Rewriter};
@@ -18,7 +18,7 @@ use crate::memory::Memory;
 /// Bind group 1 of the program's functions.
 #[derive(Clone)]
 pub struct Scene {
-    pub layout: wgpu::BindGroupLayout,
+    pub layout: SceneLayout,
     pub group: wgpu::BindGroup,
     /// What its buffers take.
     pub bytes: u64,

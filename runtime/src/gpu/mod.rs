@@ -36,5 +36,5 @@ pub use code::{Code, Suspendable};
 pub use device::{Gpu, GpuOptions, Info};
 pub use engine::{Engine, Frame, Outcome, Scene, Stats};
 pub use error::GpuError;
-pub use pipelines::trusted_module;
+pub use pipelines::{SceneLayout, trusted_module};
 pub use shader::of_program as shader;

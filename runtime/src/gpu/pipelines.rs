@@ -11,13 +11,20 @@ use super::shader::{Kernel, source};
 use super::shape::Shape;
 use crate::error::RunError;
 
+/// Layout of group 1, and the bindings that it has.
+#[derive(Clone)]
+pub struct SceneLayout {
+    pub layout: wgpu::BindGroupLayout,
+    pub bindings: Vec<u32>,
+}
+
 pub struct Pipelines {
     stream: wgpu::BindGroupLayout,
     /// Group 2 of decode, and of allocate: where they write the sizes of later dispatches.
     decode_sizes: wgpu::BindGroupLayout,
     allocate_sizes: wgpu::BindGroupLayout,
     empty: wgpu::BindGroupLayout,
-    scene: Option<wgpu::BindGroupLayout>,
+    scene: Option<SceneLayout>,
     trusted: bool,
     ready: BTreeMap<Kernel, wgpu::ComputePipeline>,
     /// Time spent compiling.
@@ -38,6 +45,8 @@ pub struct Kept {
 struct Identity {
     kernel: Kernel,
     trusted: bool,
+    /// Bindings of group 1: a text need not use all that its program has.
+    bindings: Vec<u32>,
     text: String,
 }
 
@@ -98,7 +107,7 @@ fn group(
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device, scene: Option<wgpu::BindGroupLayout>, trusted: bool) -> Pipelines {
+    pub fn new(device: &wgpu::Device, scene: Option<SceneLayout>, trusted: bool) -> Pipelines {
         let written = wgpu::BufferBindingType::Storage { read_only: false };
         let read = wgpu::BufferBindingType::Storage { read_only: true };
         let uniform = wgpu::BufferBindingType::Uniform;
@@ -140,7 +149,7 @@ impl Pipelines {
     }
 
     fn bindings(&self, kernel: Kernel) -> Vec<Option<&wgpu::BindGroupLayout>> {
-        let scene = self.scene.as_ref().filter(|_| kernel.runs_code()).unwrap_or(&self.empty);
+        let scene = self.scene_of(kernel).map_or(&self.empty, |scene| &scene.layout);
         let mut layouts = vec![Some(&self.stream), Some(scene)];
         match kernel {
             Kernel::Decode => layouts.push(Some(&self.decode_sizes)),
@@ -148,6 +157,10 @@ impl Pipelines {
             _ => {}
         }
         layouts
+    }
+
+    fn scene_of(&self, kernel: Kernel) -> Option<&SceneLayout> {
+        self.scene.as_ref().filter(|_| kernel.runs_code())
     }
 
     /// Compiles the kernel; false if that had been done, by this engine or another.
@@ -162,7 +175,9 @@ impl Pipelines {
             return Ok(false);
         }
         let start = Instant::now();
-        let identity = Identity { kernel, trusted: self.trusted, text: source(kernel, shape, code)? };
+        let bindings = self.scene_of(kernel).map_or_else(Vec::new, |scene| scene.bindings.clone());
+        let text = source(kernel, shape, code)?;
+        let identity = Identity { kernel, trusted: self.trusted, bindings, text };
         let (pipeline, made) = match gpu.kept().find(&identity) {
             Some(pipeline) => (pipeline, false),
             None => (self.compile(gpu, &identity)?, true),
@@ -214,7 +229,7 @@ impl Pipelines {
     }
 
     /// Layout of group 1.
-    pub fn scene(&self) -> Option<&wgpu::BindGroupLayout> {
+    pub fn scene(&self) -> Option<&SceneLayout> {
         self.scene.as_ref()
     }
 

@@ -2,7 +2,12 @@
 
 use super::super::*;
 use super::programs::{gpu, picture, picture_value};
+use crate::machine::{Job, Machine};
 use crate::progress::{Step, recorded};
+use crate::terrain::{Scene as View, SceneOptions, Terrain};
+use ghyll_compiler::compile::{self, Options, compile};
+use ghyll_compiler::source::Source;
+use std::sync::Arc;
 
 fn check(frame: &Frame, width: u32, height: u32, deep: u32) {
     assert_eq!(frame.words.len(), (width * height * 3) as usize);
@@ -133,5 +138,30 @@ fn endless_loops_in_a_pixel_are_an_error() {
     match engine.render(16, 16, 0) {
         Err(RunError::LoopTooLong { function, .. }) => assert_eq!(function, "pixel"),
         other => panic!("{:?}", other.map(|frame| frame.stats)),
+    }
+}
+
+/// Kernels of equal text are shared, but not where their programs bind other parts of the scene.
+#[test]
+fn equal_bakes_of_programs_that_look_at_more() {
+    let Some(gpu) = gpu() else { return };
+    let machine = Machine::Gpu(Box::new(gpu));
+    let options = SceneOptions { size: (8, 8), ..SceneOptions::default() };
+    let heights = (0..64).map(|i| (i * i % 17) as f32).collect();
+    let terrain = Terrain::from_heights(8, 8, [1.0, 1.0], heights).unwrap();
+    let view = View::new(Arc::new(terrain), &options).unwrap();
+    for more in ["", " + micro(p)"] {
+        let text = format!(
+            "use terrain; @bake fn twice(p: vec2) -> f32 = 2.0 * bilinear(p);
+             fn pixel(p: vec2) -> f32 = twice(p){more};"
+        );
+        let checked = compile::check(Source::new("test", text)).unwrap();
+        let compiled = compile(&checked, &Options::default()).unwrap();
+        let job = Job { checked: &checked, compiled: &compiled, scene: Some(&view) };
+        let (found, _) = job.render(&machine, (8, 8), &Config::default()).unwrap();
+        let (wanted, _) = job.render(&Machine::Cpu, (8, 8), &Config::default()).unwrap();
+        for (found, wanted) in found.data.iter().zip(&wanted.data) {
+            assert!((found - wanted).abs() < 1e-4, "{found} {wanted}");
+        }
     }
 }

@@ -39,6 +39,10 @@ pub enum Items<'a> {
 }
 
 impl Items<'_> {
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     pub fn len(&self) -> usize {
         match self {
             Items::Each(types) => types.len(),
@@ -62,6 +66,9 @@ impl Items<'_> {
     }
 }
 
+/// Field types by variant and type.
+type Fields = FxHashMap<(u32, Type), Rc<[Type]>>;
+
 /// Layouts of types, those of structs and enums found once: values hold one type many times over, and that again
 /// the next.
 pub struct Layouts<'m> {
@@ -69,7 +76,7 @@ pub struct Layouts<'m> {
     /// Words of structs, and of enums with their tags; none for those that hold functions.
     known: RefCell<FxHashMap<Type, Option<Rc<[Scalar]>>>>,
     /// Field types of generic structs (variant 0) and enums.
-    fields: RefCell<FxHashMap<(u32, Type), Rc<[Type]>>>,
+    fields: RefCell<Fields>,
 }
 
 impl<'m> Layouts<'m> {

@@ -39,6 +39,8 @@ pub enum Form {
     Var {
         literal: bool,
         origin: u32,
+        /// Longest chain of variables that led here: the shorter one is linked to the longer, so that none is long.
+        rank: u8,
     },
     Link(Ty),
     Error,
@@ -155,7 +157,7 @@ impl Table {
     fn variable(&mut self, origin: Origin, literal: bool) -> Ty {
         self.origins.push(origin);
         let origin = self.origins.len() as u32 - 1;
-        self.add(Form::Var { literal, origin })
+        self.add(Form::Var { literal, origin, rank: 0 })
     }
 
     /// Whether types were left out because there were too many.
@@ -267,14 +269,16 @@ impl Table {
     }
 
     fn join(&mut self, a: Ty, b: Ty, literal: bool) {
-        let origin = |ty: Ty| match self.nodes[ty.0 as usize] {
-            Form::Var { origin, .. } => origin,
-            _ => 0,
+        let known = |ty: Ty| match self.nodes[ty.0 as usize] {
+            Form::Var { origin, rank, .. } => (origin, rank),
+            _ => (0, 0),
         };
-        let (oa, ob) = (origin(a), origin(b));
+        let ((oa, ra), (ob, rb)) = (known(a), known(b));
         let better = self.origins[oa as usize].rank() >= self.origins[ob as usize].rank();
-        self.nodes[b.0 as usize] = Form::Var { literal, origin: if better { oa } else { ob } };
-        self.nodes[a.0 as usize] = Form::Link(b);
+        let (from, to) = if ra > rb { (b, a) } else { (a, b) };
+        let rank = ra.max(rb) + u8::from(ra == rb);
+        self.nodes[to.0 as usize] = Form::Var { literal, origin: if better { oa } else { ob }, rank };
+        self.nodes[from.0 as usize] = Form::Link(to);
         self.learned.extend([a, b]);
     }
 
@@ -484,6 +488,25 @@ mod tests {
         assert_eq!(table.unify(unknown, Ty::vec(2)), Err(Clash::Mismatch));
         assert_eq!(table.unify(unknown, Ty::F32), Ok(()));
         assert_eq!(table.unify(literal, Ty::I32), Err(Clash::Mismatch));
+    }
+
+    #[test]
+    fn chains_of_variables_are_short() {
+        let mut table = Table::default();
+        let first = variable(&mut table);
+        let last = (0..10_000).fold(first, |last, _| {
+            let next = table.literal(Span::new(SourceId(0), 0, 0));
+            assert_eq!(table.unify(last, next), Ok(()));
+            next
+        });
+        let steps = |mut ty: Ty| {
+            let mut steps = 0;
+            while let Form::Link(next) = table.nodes[ty.0 as usize] {
+                (ty, steps) = (next, steps + 1);
+            }
+            steps
+        };
+        assert!(steps(first) <= 14 && steps(last) <= 14, "{} {}", steps(first), steps(last));
     }
 
     #[test]

@@ -266,7 +266,7 @@ impl<'m> Lower<'m> {
             let mut all = self.prim(Prim::Eq, Scalar::I32, vec![ta, tb]);
             for tag in 0..self.module.enums[id.0 as usize].variants.len() as u32 {
                 let types = self.layouts.fields(ty, tag);
-                if types.len() == 0 {
+                if types.is_empty() {
                     continue;
                 }
                 let fields_a = self.unpack(ty, tag, &pa);

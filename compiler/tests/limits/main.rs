@@ -1,8 +1,9 @@
 //! Compiling ends, soon and in little memory, whatever the text: each of [`texts`] goes through the whole compiler in a
 //! process of its own, which reports the processor time and the memory that it took.
 //!
-//! Limits are 2 s and 1 GiB for 1 MiB of text in a release build. An unoptimised build, which also verifies every phase,
-//! gets a sixteenth of that text and ten times that time. `LIMITS=words cargo test --test limits` runs the texts whose
+//! Limits are 2 s and 1 GiB for 1 MiB of text in a release build, but a test allows three times that time, as other work
+//! slows processors down. An unoptimised build, which also verifies every phase, gets a sixteenth of that text and ten
+//! times the time. `LIMITS=words cargo test --test limits` runs the texts whose
 //! name has these words and shows what each took.
 
 mod constructs;
@@ -29,7 +30,7 @@ const RELEASE: bool = !cfg!(debug_assertions);
 /// Length of a text.
 const BYTES: usize = if RELEASE { 1 << 20 } else { 1 << 16 };
 /// Processor time that a text may take.
-const MOST_SECONDS: f64 = if RELEASE { 2.0 } else { 20.0 };
+const MOST_SECONDS: f64 = if RELEASE { 6.0 } else { 20.0 };
 /// Memory that a text may take.
 const MOST_MEBIBYTES: f32 = 1024.0;
 /// Time after which a text is taken to run for ever.

@@ -155,6 +155,7 @@ impl Derive<'_> {
         if !self.errors.is_empty() {
             return;
         }
+        let first = self.functions.len();
         self.span = Some(request.span);
         let base = self.functions[request.base.0 as usize].clone().expect("every other hole is filled");
         let still = base.params.len() - 2;
@@ -167,15 +168,29 @@ impl Derive<'_> {
             self.errors.retain(|e| e.code != codes::NO_DERIVATIVE);
             self.values.remove(&request.hole);
             self.functions[request.hole.0 as usize] = Some(base);
-            // What was derived in vain is not called.
-            for (id, moving) in std::mem::take(&mut self.queue) {
-                let hole = self.derived[&(id, moving)];
-                let unused = self.functions[id.0 as usize].clone();
-                self.functions[hole.0 as usize] = unused.map(|f| {
-                    let name = self.names.fresh(&f.name);
-                    Function { name, ..f }
-                });
+            self.forget(first);
+        }
+    }
+
+    /// What was derived in vain is not called, and not to be met again: it may be half written.
+    fn forget(&mut self, first: usize) {
+        self.queue.clear();
+        self.values.retain(|id, _| (id.0 as usize) < first);
+        let mut vain = Vec::new();
+        self.derived.retain(|(id, _), hole| {
+            let keep = (hole.0 as usize) < first;
+            if !keep {
+                vain.push((*hole, *id));
             }
+            keep
+        });
+        vain.sort_unstable_by_key(|(hole, _)| hole.0);
+        for (hole, id) in vain {
+            let unused = self.functions[id.0 as usize].clone();
+            self.functions[hole.0 as usize] = unused.map(|f| {
+                let name = self.names.fresh(&f.name);
+                Function { name, ..f }
+            });
         }
     }
 

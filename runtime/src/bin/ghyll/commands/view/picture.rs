@@ -23,8 +23,8 @@ pub struct Picture<'a> {
     /// Where the camera is; none where the program looks at no scene.
     pub orbit: Option<Orbit>,
     /// How many times the program was put onto the machine.
-    #[cfg_attr(not(test), allow(dead_code))]
-    pub programs: usize,
+    #[cfg(test)]
+    programs: usize,
 }
 
 /// A program that has been drawn.
@@ -52,7 +52,15 @@ impl<'a> Picture<'a> {
             })?),
             None => None,
         };
-        Ok(Picture { arguments, machine, config, program, orbit, programs: 1 })
+        Ok(Picture {
+            arguments,
+            machine,
+            config,
+            program,
+            orbit,
+            #[cfg(test)]
+            programs: 1,
+        })
     }
 
     /// The program's files.
@@ -74,7 +82,10 @@ impl<'a> Picture<'a> {
         }
         let drawn = program.draw(self.machine, self.config, orbit, size)?;
         (self.program, self.orbit) = (program, orbit);
-        self.programs += 1;
+        #[cfg(test)]
+        {
+            self.programs += 1;
+        }
         Ok(drawn)
     }
 

@@ -7,13 +7,16 @@
 //!
 //! Nothing here stops at an error: what is wrong is reported and left out.
 
+mod nesting;
+
 use logos::{Lexer, Logos};
 
 use crate::codes::{self, Code};
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, Span};
+use nesting::{Nesting, Step};
 
-/// Deepest nesting of brackets.
+/// Deepest nesting of brackets, and of what has no brackets.
 pub const MAX_NESTING: usize = 200;
 /// Longest text; positions stay far below 32 bits.
 pub const MAX_LENGTH: usize = 16 << 20;
@@ -178,8 +181,7 @@ pub struct Lexed<'s> {
 }
 
 pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
-    let mut reader =
-        Reader { source, text, lexed: Lexed::default(), brackets: Vec::new(), heads: 0, angles: 0 };
+    let mut reader = Reader { source, text, lexed: Lexed::default(), nesting: Nesting::default() };
     if text.len() > MAX_LENGTH {
         let at = Span::new(source, 0, 0);
         let title = format!("this text is longer than {} MiB", MAX_LENGTH >> 20);
@@ -187,26 +189,15 @@ pub fn lex(source: SourceId, text: &str) -> Lexed<'_> {
     } else {
         reader.run();
     }
-    reader.lexed.unclosed = reader.brackets.iter().map(|b| (b.span, b.close)).collect();
+    reader.lexed.unclosed = reader.nesting.unclosed();
     reader.lexed
-}
-
-struct Bracket {
-    span: Span,
-    close: char,
-    /// The `{` follows `=>`.
-    arm: bool,
 }
 
 struct Reader<'s> {
     source: SourceId,
     text: &'s str,
     lexed: Lexed<'s>,
-    brackets: Vec<Bracket>,
-    /// `if` and `match` whose `{` has not come, one in another.
-    heads: usize,
-    /// `<` with nothing but names between them.
-    angles: usize,
+    nesting: Nesting,
 }
 
 impl<'s> Reader<'s> {
@@ -250,10 +241,17 @@ impl<'s> Reader<'s> {
                 Lexeme::Gt if self.text[end..].starts_with('>') => lexeme = Lexeme::GtJoint,
                 _ => {}
             }
-            match self.bracket(lexeme, start, end) {
-                Nesting::TooDeep => return,
-                Nesting::EndOfArm => comma_due = Some(end),
-                Nesting::Fine => {}
+            let last = self.lexed.lexemes.last().map(|&(_, last, _)| last);
+            match self.nesting.step(last, lexeme, Span::new(self.source, start, end)) {
+                Step::Fine => {}
+                Step::EndOfArm => comma_due = Some(end),
+                Step::TooDeep(what) => {
+                    let title = format!("{what} nest more than {MAX_NESTING} deep");
+                    self.error(codes::TOO_DEEP, start, end, &title).help =
+                        Some("give the inner parts names with `let` or move them to functions".into());
+                    self.nesting = Nesting::default();
+                    return;
+                }
             }
             self.lexed.lexemes.push((start, lexeme, end));
         }
@@ -336,60 +334,6 @@ impl<'s> Reader<'s> {
     fn after_tuple_field(&self, start: usize) -> bool {
         matches!(self.lexed.lexemes[..], [.., (_, Lexeme::Dot, _), (_, Lexeme::Int(_), at)] if at == start)
     }
-
-    fn bracket(&mut self, lexeme: Lexeme<'s>, start: usize, end: usize) -> Nesting {
-        self.heads = match lexeme {
-            Lexeme::If | Lexeme::Match => self.heads + 1,
-            Lexeme::LBrace => self.heads.saturating_sub(1),
-            Lexeme::Semi | Lexeme::Fn => 0,
-            _ => self.heads,
-        };
-        self.angles = match lexeme {
-            Lexeme::Lt => self.angles + 1,
-            Lexeme::Ident(_) => self.angles,
-            _ => 0,
-        };
-        if self.heads > MAX_NESTING || self.angles > MAX_NESTING {
-            let what = if self.angles > MAX_NESTING { "types" } else { "conditions" };
-            let title = format!("{what} nest more than {MAX_NESTING} deep");
-            self.error(codes::TOO_DEEP, start, end, &title).help =
-                Some("give the inner parts names with `let` or move them to functions".into());
-            self.brackets.clear();
-            return Nesting::TooDeep;
-        }
-        match lexeme {
-            Lexeme::LParen | Lexeme::LBracket | Lexeme::LBrace => {
-                let after_arrow = matches!(self.lexed.lexemes.last(), Some((_, Lexeme::FatArrow, _)));
-                let arm = lexeme == Lexeme::LBrace && after_arrow;
-                let close = match lexeme {
-                    Lexeme::LParen => ')',
-                    Lexeme::LBracket => ']',
-                    _ => '}',
-                };
-                self.brackets.push(Bracket { span: Span::new(self.source, start, end), close, arm });
-                if self.brackets.len() > MAX_NESTING {
-                    let title = format!("brackets nest more than {MAX_NESTING} deep");
-                    self.error(codes::TOO_DEEP, start, end, &title).help =
-                        Some("give the inner parts names with `let` or move them to functions".into());
-                    self.brackets.clear();
-                    return Nesting::TooDeep;
-                }
-                Nesting::Fine
-            }
-            Lexeme::RParen | Lexeme::RBracket | Lexeme::RBrace => match self.brackets.pop() {
-                Some(Bracket { arm: true, .. }) if lexeme == Lexeme::RBrace => Nesting::EndOfArm,
-                _ => Nesting::Fine,
-            },
-            _ => Nesting::Fine,
-        }
-    }
-}
-
-enum Nesting {
-    Fine,
-    /// A `}` that ends the body of a match arm.
-    EndOfArm,
-    TooDeep,
 }
 
 /// The value of a number as written.
@@ -506,6 +450,18 @@ mod tests {
 
     #[test]
     fn deep_nesting_stops() {
-        assert_eq!(codes_of(&"(".repeat(100_000)), [codes::TOO_DEEP]);
+        for part in ["(", "|x| ", "|| ", "|(a, b), c: (i32, i32)| ", "match ", "if ", "1 + |x| ", "f(|x| "] {
+            assert_eq!(codes_of(&part.repeat(1_000)), [codes::TOO_DEEP], "{part}");
+        }
+    }
+
+    #[test]
+    fn long_is_not_deep() {
+        for part in
+            ["a | ", "a || ", "(|x| x, 1), ", "let a = |x| x; ", "f(a, |x| x, |y| y), ", "y if y == 1 => 2, "]
+        {
+            assert_eq!(codes_of(&part.repeat(1_000)), [], "{part}");
+        }
+        assert_eq!(codes_of(&format!("f({})", "|x| x, ".repeat(1_000))), []);
     }
 }

@@ -1342,5 +1342,10 @@ pub fn errors(bytes: usize) -> Vec<Text> {
     pieces
         .into_iter()
         .map(|piece| text(format!("many of `{}`", piece.trim_end()), numbered(piece, bytes)))
+        .chain(["|x| ", "if ", "1 + |x| "].map(|piece| {
+            let open = "match 1 { _ => ".repeat(60) + &piece.repeat(bytes / piece.len() / 2);
+            let errors = "x +* ; let } fn (".repeat(bytes / 64);
+            text(format!("errors behind many of `{piece}`"), main_of(&(open + &errors)))
+        }))
         .collect()
 }

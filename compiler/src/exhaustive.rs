@@ -10,7 +10,10 @@ use std::collections::HashSet;
 use crate::typed::{Literal, Module, Pattern, PatternKind, Type};
 
 /// Most work spent on one match.
-const BUDGET: u64 = 2_000_000;
+const BUDGET: u64 = 4_000_000;
+
+/// Columns of a row that count as one more row.
+const COLUMNS_OF_A_ROW: usize = 64;
 
 pub struct Coverage {
     /// A pattern for values that no arm takes.
@@ -104,7 +107,19 @@ fn alternatives(pattern: &Pattern) -> Vec<&Pattern> {
 
 /// A value that an allegedly irrefutable pattern does not fit.
 pub fn refuted(module: &Module, pattern: &Pattern) -> Option<String> {
+    if always_fits(pattern) {
+        return None;
+    }
     coverage(module, &pattern.ty, &[(pattern, false)]).missing
+}
+
+fn always_fits(pattern: &Pattern) -> bool {
+    match &pattern.kind {
+        PatternKind::Wild | PatternKind::Bind(_) => true,
+        PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) => parts.iter().all(always_fits),
+        PatternKind::Or(parts) => parts.iter().any(always_fits),
+        PatternKind::Literal(_) | PatternKind::Variant(..) => false,
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -187,6 +202,12 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
+    fn spend(&mut self, rows: usize, columns: usize) -> Result<(), TooComplex> {
+        let work = 1 + rows as u64 * (1 + (columns / COLUMNS_OF_A_ROW) as u64);
+        self.budget = self.budget.checked_sub(work).ok_or(TooComplex)?;
+        Ok(())
+    }
+
     /// Values of `types` that fit `row` and none of `rows`.
     fn useful(
         &mut self,
@@ -194,7 +215,32 @@ impl Check<'_> {
         row: &[Pat],
         types: &[Type],
     ) -> Result<Option<Vec<Witness>>, TooComplex> {
-        self.budget = self.budget.checked_sub(1 + rows.len() as u64).ok_or(TooComplex)?;
+        self.spend(rows.len(), types.len())?;
+        let is_wild = |row: &[Pat], at: usize| matches!(row[at], Pat::Wild);
+        let is_open = |at: usize| is_wild(row, at) && rows.iter().all(|row| is_wild(row, at));
+        let asked: Vec<usize> = (0..types.len()).filter(|at| !is_open(*at)).collect();
+        if asked.len() == types.len() {
+            return self.useful_now(rows, row, types);
+        }
+        // What nobody asks about is anything.
+        let part = |row: &[Pat]| asked.iter().map(|at| row[*at].clone()).collect::<Vec<Pat>>();
+        let rows: Vec<Vec<Pat>> = rows.iter().map(|row| part(row)).collect();
+        let asked_types: Vec<Type> = asked.iter().map(|at| types[*at].clone()).collect();
+        let found = self.useful_now(&rows, &part(row), &asked_types)?;
+        Ok(found.map(|found| {
+            let mut all: Vec<Witness> = types.iter().map(|_| Witness::Any).collect();
+            asked.iter().zip(found).for_each(|(at, witness)| all[*at] = witness);
+            all
+        }))
+    }
+
+    /// As [`Check::useful`], where each column is asked about by some row.
+    fn useful_now(
+        &mut self,
+        rows: &[Vec<Pat>],
+        row: &[Pat],
+        types: &[Type],
+    ) -> Result<Option<Vec<Witness>>, TooComplex> {
         let Some((ty, rest)) = types.split_first() else {
             return Ok(rows.is_empty().then(Vec::new));
         };
@@ -238,6 +284,7 @@ impl Check<'_> {
     ) -> Result<Option<Vec<Witness>>, TooComplex> {
         let mut types = self.fields(ty, constructor);
         let arity = types.len();
+        self.spend(rows.len(), arity + rest.len())?;
         types.extend_from_slice(rest);
         let mut inner = Vec::new();
         rows.iter().for_each(|row| specialise(constructor, arity, row, &mut inner));

@@ -46,7 +46,12 @@ pub struct Env<'e, 'a> {
     pub fixed: RefCell<HashMap<Builtin, Type>>,
     /// Nodes of all types written out so far.
     pub written: Cell<u64>,
+    /// Places of the fields of wide structs.
+    fields: RefCell<HashMap<StructId, HashMap<String, usize>>>,
 }
+
+/// Fields of a struct that are found sooner by looking at each.
+const FEW_FIELDS: usize = 16;
 
 #[derive(Clone)]
 pub enum ConstState {
@@ -85,15 +90,35 @@ impl<'e, 'a> Env<'e, 'a> {
         functions: &'e [(usize, &'a ast::Function)],
     ) -> Env<'e, 'a> {
         let consts = names.consts.iter().map(|_| ConstState::Waiting).collect();
-        let consts = RefCell::new(consts);
-        Env { module, names, functions, consts, fixed: RefCell::default(), written: Cell::new(0) }
+        Env {
+            module,
+            names,
+            functions,
+            consts: RefCell::new(consts),
+            fixed: RefCell::default(),
+            written: Cell::new(0),
+            fields: RefCell::default(),
+        }
     }
 
     /// For arguments of a finished module.
     pub fn finished(module: &'e Module, names: &'e types::Names<'a>) -> Env<'e, 'a> {
         let known = module.consts.iter().map(|c| ConstState::Known(c.ty.clone())).collect();
-        let consts = RefCell::new(known);
-        Env { module, names, functions: &[], consts, fixed: RefCell::default(), written: Cell::new(0) }
+        Env { consts: RefCell::new(known), ..Env::new(module, names, &[]) }
+    }
+
+    /// The place of a struct's field.
+    fn field(&self, id: StructId, name: &str) -> Option<usize> {
+        let fields = &self.module.structs[id.0 as usize].fields;
+        if fields.len() <= FEW_FIELDS {
+            return fields.iter().position(|(field, _)| field == name);
+        }
+        let mut known = self.fields.borrow_mut();
+        let places = known.entry(id).or_insert_with(|| {
+            let places = fields.iter().enumerate().map(|(i, (field, _))| (field.clone(), i));
+            places.rev().collect()
+        });
+        places.get(name).copied()
     }
 
     pub fn function(&self, index: usize) -> Body {

@@ -2,7 +2,7 @@
 
 use super::goals::GoalKind;
 use super::table::{Form, Origin, Ty};
-use super::tree::{Kind, Node};
+use super::tree::{Kind, Node, Pattern};
 use super::{HereType, Infer, Want};
 use crate::analysis::notes::{HERE, Meaning};
 use crate::ast::{self, Argument, Expr, ExprKind, LambdaParam, Name};
@@ -13,6 +13,21 @@ use crate::resolve::scope::Value;
 use crate::resolve::types::count;
 use crate::source::Span;
 use crate::typed::{FunctionId, StructId, UnaryOp};
+use smallvec::SmallVec;
+use std::borrow::Cow;
+
+/// An argument where it stands in the tree, which for what is piped is not among the arguments.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'x> {
+    pub name: Option<&'x Name>,
+    pub value: &'x Expr,
+}
+
+type AllGiven<'x> = SmallVec<[Given<'x>; 4]>;
+
+pub(super) fn given(arguments: &[Argument]) -> AllGiven<'_> {
+    arguments.iter().map(|a| Given { name: a.name.as_ref(), value: &a.value }).collect()
+}
 
 /// What is known about each parameter of a callee.
 type Params = Vec<(Ty, Option<Span>)>;
@@ -20,7 +35,7 @@ type Params = Vec<(Ty, Option<Span>)>;
 const PARAM: &str = "the parameter has this type";
 
 impl Infer<'_, '_> {
-    pub(super) fn call(&mut self, callee: &Expr, arguments: &[Argument], span: Span, want: Want) -> Node {
+    pub(super) fn call(&mut self, callee: &Expr, arguments: &[Given], span: Span, want: Want) -> Node {
         if arguments.iter().any(|a| matches!(a.value.kind, ExprKind::Hole)) {
             return self.partial(callee, arguments, span, want);
         }
@@ -90,7 +105,7 @@ impl Infer<'_, '_> {
     }
 
     /// Looks at arguments whose call is already wrong.
-    pub(super) fn check_anyway(&mut self, arguments: &[Argument]) {
+    pub(super) fn check_anyway(&mut self, arguments: &[Given]) {
         for argument in arguments {
             match &argument.value.kind {
                 ExprKind::Range(lo, hi) => {
@@ -100,7 +115,7 @@ impl Infer<'_, '_> {
                 // Its parameters would be unknown only because the call is wrong.
                 ExprKind::Lambda(..) => {}
                 _ => {
-                    self.any(&argument.value);
+                    self.any(argument.value);
                 }
             }
         }
@@ -118,7 +133,7 @@ impl Infer<'_, '_> {
         &mut self,
         name: &str,
         expected: usize,
-        arguments: &[Argument],
+        arguments: &[Given],
         span: Span,
         declared: Option<Span>,
     ) {
@@ -137,11 +152,11 @@ impl Infer<'_, '_> {
         &mut self,
         name: &str,
         params: &Params,
-        arguments: &[Argument],
+        arguments: &[Given],
         span: Span,
         declared: Option<Span>,
     ) -> Vec<Node> {
-        if let Some(named) = arguments.iter().find_map(|a| a.name.as_ref()) {
+        if let Some(named) = arguments.iter().find_map(|a| a.name) {
             self.named_argument(name, named.span);
         }
         if arguments.len() != params.len() {
@@ -155,7 +170,7 @@ impl Infer<'_, '_> {
                 if matches!(argument.value.kind, ExprKind::Lambda(..)) == lambdas {
                     let (ty, at) = params[i];
                     let want = Want { ty, why: at.map(|at| (at, PARAM)) };
-                    nodes[i] = Some(self.expr(&argument.value, want));
+                    nodes[i] = Some(self.expr(argument.value, want));
                 }
             }
         }
@@ -167,7 +182,7 @@ impl Infer<'_, '_> {
         id: FunctionId,
         name: &str,
         at: Span,
-        arguments: &[Argument],
+        arguments: &[Given],
         span: Span,
         want: Want,
     ) -> Node {
@@ -188,14 +203,7 @@ impl Infer<'_, '_> {
         self.settle(Kind::Call(Box::new(callee), nodes), result, span, want)
     }
 
-    fn construct(
-        &mut self,
-        id: StructId,
-        name: &str,
-        arguments: &[Argument],
-        span: Span,
-        want: Want,
-    ) -> Node {
+    fn construct(&mut self, id: StructId, name: &str, arguments: &[Given], span: Span, want: Want) -> Node {
         let module = self.env.module;
         let declared = &module.structs[id.0 as usize];
         let args = self.instantiate(&declared.generics, name, span);
@@ -217,32 +225,29 @@ impl Infer<'_, '_> {
         id: StructId,
         name: &str,
         params: &Params,
-        arguments: &[Argument],
+        arguments: &[Given],
         span: Span,
     ) -> Vec<Node> {
         let declared = &self.env.module.structs[id.0 as usize];
         let mut nodes: Vec<Option<Node>> = params.iter().map(|_| None).collect();
         for argument in arguments {
-            let Some(field) = &argument.name else {
+            let Some(field) = argument.name else {
                 let binding = match &argument.value.kind {
-                    ExprKind::Name(text) => declared.fields.iter().find(|(f, _)| f == text),
+                    ExprKind::Name(text) => self.env.field(id, text).map(|_| text.as_str()),
                     _ => None,
                 };
-                let same = binding.map(|(f, _)| f.as_str());
-                self.report(mixed_fields(argument.value.span, same));
-                self.any(&argument.value);
+                self.report(mixed_fields(argument.value.span, binding));
+                self.any(argument.value);
                 continue;
             };
-            let Some(i) = declared.fields.iter().position(|(n, _)| *n == field.text) else {
+            let Some(i) = self.env.field(id, &field.text) else {
                 self.unknown_field(field, name, declared.fields.iter().map(|(n, _)| n.as_str()));
-                self.any(&argument.value);
+                self.any(argument.value);
                 continue;
             };
             self.note(field.span, Meaning::Field(id, i as u32), params[i].0);
-            let node = self.expr(
-                &argument.value,
-                Want { ty: params[i].0, why: Some((declared.span, "of this struct")) },
-            );
+            let node = self
+                .expr(argument.value, Want { ty: params[i].0, why: Some((declared.span, "of this struct")) });
             if nodes[i].replace(node).is_some() {
                 let title = format!("the field `{}` is given twice", field.text);
                 self.report(
@@ -255,8 +260,7 @@ impl Infer<'_, '_> {
             .map(|((n, _), _)| format!("`{n}`"))
             .collect();
         // A field with a wrong name explains one that is missing.
-        let all_known =
-            |a: &Argument| a.name.as_ref().is_some_and(|n| declared.fields.iter().any(|(f, _)| *f == n.text));
+        let all_known = |a: &Given| a.name.is_some_and(|n| self.env.field(id, &n.text).is_some());
         if !missing.is_empty() && arguments.iter().all(all_known) {
             let title = format!("`{name}` is built without {}", missing.join(", "));
             self.report(
@@ -271,7 +275,7 @@ impl Infer<'_, '_> {
     }
 
     /// A call of whatever an expression yields.
-    fn call_value(&mut self, callee: &Expr, arguments: &[Argument], span: Span, want: Want) -> Node {
+    fn call_value(&mut self, callee: &Expr, arguments: &[Given], span: Span, want: Want) -> Node {
         let f = match &callee.kind {
             ExprKind::Lambda(params, _) if params.len() == arguments.len() => {
                 return self.call_lambda(callee, arguments, span, want);
@@ -319,7 +323,7 @@ impl Infer<'_, '_> {
     }
 
     /// `(|x| ..)(a)`: the arguments tell the types of the parameters.
-    fn call_lambda(&mut self, lambda: &Expr, arguments: &[Argument], span: Span, want: Want) -> Node {
+    fn call_lambda(&mut self, lambda: &Expr, arguments: &[Given], span: Span, want: Want) -> Node {
         let params: Params = arguments.iter().map(|a| (self.fresh(a.value.span), None)).collect();
         let nodes = self.arguments("this function", &params, arguments, span, None);
         let ty = self.table.add(Form::Fn(params.iter().map(|(ty, _)| *ty).collect(), want.ty));
@@ -331,7 +335,7 @@ impl Infer<'_, '_> {
         &mut self,
         builtin: Builtin,
         at: Span,
-        arguments: &[Argument],
+        arguments: &[Given],
         span: Span,
         want: Want,
     ) -> Node {
@@ -353,7 +357,7 @@ impl Infer<'_, '_> {
             return self.settle(Kind::Call(Box::new(callee), nodes), result, span, want);
         }
         let params: Params = match arguments {
-            [a] if builtin.shape() == Shape::Convert && is_integer(&a.value) => {
+            [a] if builtin.shape() == Shape::Convert && is_integer(a.value) => {
                 vec![(converted(builtin), None)]
             }
             _ => arguments.iter().map(|a| (self.fresh(a.value.span), None)).collect(),
@@ -415,7 +419,8 @@ impl Infer<'_, '_> {
     }
 
     /// `f(a, _)`: a block that binds what is given, then a lambda over the holes.
-    fn partial(&mut self, callee: &Expr, arguments: &[Argument], span: Span, want: Want) -> Node {
+    fn partial(&mut self, callee: &Expr, arguments: &[Given], span: Span, want: Want) -> Node {
+        let mark = self.scope.len();
         let mut lets = Vec::new();
         let mut params = Vec::new();
         let callee = self.kept(callee, &mut lets);
@@ -423,27 +428,35 @@ impl Infer<'_, '_> {
         for argument in arguments {
             let value = match argument.value.kind {
                 ExprKind::Hole => {
-                    let name = self.hidden_name();
-                    let at = argument.value.span;
-                    let pattern = ast::Pattern { kind: ast::PatternKind::Name(name.clone()), span: at };
+                    let name = self.hidden_name(argument.value.span);
+                    let ExprKind::Name(text) = &name.kind else { unreachable!("a name was made") };
+                    let pattern = ast::PatternKind::Name(text.clone());
+                    let pattern = ast::Pattern { kind: pattern, span: name.span };
                     params.push(LambdaParam { pattern, ty: None });
-                    Expr { kind: ExprKind::Name(name), span: at, depth: 1 }
+                    Cow::Owned(name)
                 }
-                _ => self.kept(&argument.value, &mut lets),
+                _ => self.kept(argument.value, &mut lets),
             };
-            filled.push(Argument { name: argument.name.clone(), value });
+            filled.push((argument.name, value));
         }
-        let node = |kind| Expr { kind, span, depth: 1 };
-        let call = node(ExprKind::Call(Box::new(callee), filled));
-        let lambda = node(ExprKind::Lambda(params, Box::new(call)));
+        let filled: AllGiven = filled.iter().map(|(name, value)| Given { name: *name, value }).collect();
+        let lambda = self.lambda_of(
+            &params,
+            span,
+            want,
+            (span, |infer, want| infer.call(&callee, &filled, span, want)),
+        );
+        self.scope.split_off(mark);
+        lets.iter().for_each(|(pattern, _)| self.note_unused(pattern));
+        let ty = lambda.ty;
         match lets.is_empty() {
-            true => self.expr(&lambda, want),
-            false => self.expr(&node(ExprKind::Block(lets, Box::new(lambda))), want),
+            true => lambda,
+            false => Node { kind: Kind::Block(lets, Box::new(lambda)), ty, span },
         }
     }
 
     /// What a partial application keeps: names and literals as they are, the value of anything else.
-    fn kept(&mut self, e: &Expr, lets: &mut Vec<ast::Let>) -> Expr {
+    fn kept<'x>(&mut self, e: &'x Expr, lets: &mut Vec<(Pattern, Node)>) -> Cow<'x, Expr> {
         match e.kind {
             ExprKind::Name(_)
             | ExprKind::Bool(_)
@@ -451,36 +464,36 @@ impl Infer<'_, '_> {
             | ExprKind::Float(_)
             | ExprKind::Int(_)
             | ExprKind::Range(..)
-            | ExprKind::Error => e.clone(),
+            | ExprKind::Error => Cow::Borrowed(e),
             _ => {
-                let name = self.hidden_name();
-                let pattern = ast::Pattern { kind: ast::PatternKind::Name(name.clone()), span: e.span };
-                lets.push(ast::Let { pattern, ty: None, value: e.clone() });
-                Expr { kind: ExprKind::Name(name), span: e.span, depth: 1 }
+                let name = self.hidden_name(e.span);
+                let ExprKind::Name(text) = &name.kind else { unreachable!("a name was made") };
+                let pattern = ast::Pattern { kind: ast::PatternKind::Name(text.clone()), span: e.span };
+                lets.push(self.binding(&pattern, None, e));
+                Cow::Owned(name)
             }
         }
     }
 
     /// A name that nobody can write.
-    fn hidden_name(&mut self) -> String {
+    fn hidden_name(&mut self, span: Span) -> Expr {
         self.holes += 1;
-        format!("${}", self.holes)
+        Expr { kind: ExprKind::Name(format!("${}", self.holes)), span, depth: 1 }
     }
 
     /// `x |> f` is `f(x)`; `x |> f(a, _)` fills the hole.
     pub(super) fn pipe(&mut self, x: &Expr, f: &Expr, span: Span, want: Want) -> Node {
+        let piped = Given { name: None, value: x };
         if let ExprKind::Call(callee, arguments) = &f.kind {
-            let holes = arguments.iter().filter(|a| matches!(a.value.kind, ExprKind::Hole)).count();
-            if holes == 1 {
-                let fill = |a: &Argument| match a.value.kind {
-                    ExprKind::Hole => Argument { name: a.name.clone(), value: x.clone() },
-                    _ => a.clone(),
-                };
-                let filled: Vec<Argument> = arguments.iter().map(fill).collect();
+            let is_hole = |a: &Given| matches!(a.value.kind, ExprKind::Hole);
+            let mut filled = given(arguments);
+            let mut holes = filled.iter_mut().filter(|a| is_hole(a));
+            if let (Some(hole), None) = (holes.next(), holes.next()) {
+                hole.value = x;
                 return self.call(callee, &filled, span, want);
             }
         }
-        self.call(f, &[Argument { name: None::<Name>, value: x.clone() }], span, want)
+        self.call(f, &[piped], span, want)
     }
 }
 

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
+use super::call::given;
 use super::goals::GoalKind;
+use super::pattern::Bound;
 use super::table::{Form, Origin, Ty};
 use super::tree::{Arm, Kind, Node, Number, Pattern, PatternKind};
 use super::{HereType, Infer, Want};
@@ -38,7 +40,7 @@ impl Infer<'_, '_> {
             ExprKind::Range(..) => self.misplaced_range(span),
             ExprKind::Unary(op, operand) => self.unary(*op, operand, span, want),
             ExprKind::Binary(op, l, r) => self.binary(*op, l, r, span, want),
-            ExprKind::Call(callee, arguments) => self.call(callee, arguments, span, want),
+            ExprKind::Call(callee, arguments) => self.call(callee, &given(arguments), span, want),
             ExprKind::With(base, fields) => self.with(base, fields, span, want),
             ExprKind::Field(base, name) => {
                 let unknown = self.fresh(base.span);
@@ -259,6 +261,17 @@ impl Infer<'_, '_> {
     }
 
     fn lambda(&mut self, params: &[LambdaParam], body: &Expr, span: Span, want: Want) -> Node {
+        self.lambda_of(params, span, want, (body.span, |infer, want| infer.expr(body, want)))
+    }
+
+    /// A lambda whose body is at a place and is checked by a function.
+    pub(super) fn lambda_of(
+        &mut self,
+        params: &[LambdaParam],
+        span: Span,
+        want: Want,
+        (place, body): (Span, impl FnOnce(&mut Self, Want) -> Node),
+    ) -> Node {
         let mut wanted = match self.table.form(want.ty) {
             Form::Fn(types, result) => Some((types.clone(), *result)),
             _ => None,
@@ -288,10 +301,11 @@ impl Infer<'_, '_> {
             locals.push(self.lambda_param(&param.pattern, ty, &mut lets));
         }
         self.distinct_since(mark);
-        let body = match &wanted {
-            Some((_, result)) => self.expr(body, Want { ty: *result, why: want.why }),
-            None => self.any(body),
+        let of_body = match &wanted {
+            Some((_, result)) => Want { ty: *result, why: want.why },
+            None => Want::just(self.fresh(place)),
         };
+        let body = body(self, of_body);
         self.scope.split_off(mark);
         let (body_ty, body_span) = (body.ty, body.span);
         let body = match lets.is_empty() {
@@ -329,7 +343,7 @@ impl Infer<'_, '_> {
         }
         let local = self.local("_", ty, span);
         if !plain {
-            let pattern = self.pattern_part(pattern, Want::just(ty), &HashMap::new());
+            let pattern = self.pattern_part(pattern, Want::just(ty), &Bound::default());
             lets.push((pattern, Node { kind: Kind::Local(local), ty, span }));
         }
         local
@@ -383,17 +397,7 @@ impl Infer<'_, '_> {
         let mark = self.scope.len();
         let mut nodes = Vec::new();
         for l in lets {
-            let ty = match &l.pattern.kind {
-                ast::PatternKind::Name(name) => self.table.fresh(Origin::Local(name.clone(), l.pattern.span)),
-                _ => self.fresh(l.value.span),
-            };
-            let why = self.stated(l.ty.as_ref(), ty).map(|at| (at, "the type is stated here"));
-            let value = self.expr(&l.value, Want { ty, why });
-            self.retry();
-            self.check_size(ty, l.value.span);
-            let pattern =
-                self.pattern(&l.pattern, Want { ty, why: Some((l.value.span, "the value has this type")) });
-            nodes.push((pattern, value));
+            nodes.push(self.binding(&l.pattern, l.ty.as_ref(), &l.value));
         }
         let value = self.expr(value, want);
         self.scope.split_off(mark);
@@ -404,8 +408,27 @@ impl Infer<'_, '_> {
         Node { kind: Kind::Block(nodes, Box::new(value)), ty, span }
     }
 
+    /// A `let`; its names are in scope from here on.
+    pub(super) fn binding(
+        &mut self,
+        pattern: &ast::Pattern,
+        stated: Option<&ast::Type>,
+        value: &Expr,
+    ) -> (Pattern, Node) {
+        let ty = match &pattern.kind {
+            ast::PatternKind::Name(name) => self.table.fresh(Origin::Local(name.clone(), pattern.span)),
+            _ => self.fresh(value.span),
+        };
+        let why = self.stated(stated, ty).map(|at| (at, "the type is stated here"));
+        let node = self.expr(value, Want { ty, why });
+        self.retry();
+        self.check_size(ty, value.span);
+        let pattern = self.pattern(pattern, Want { ty, why: Some((value.span, "the value has this type")) });
+        (pattern, node)
+    }
+
     /// Warns where a `let` names one value and nothing reads it. The parts of a pattern are named to tell them apart.
-    fn note_unused(&mut self, pattern: &Pattern) {
+    pub(super) fn note_unused(&mut self, pattern: &Pattern) {
         let PatternKind::Bind(id) = pattern.kind else { return };
         let local = &self.locals[id.0 as usize];
         if local.used.get() || local.name.starts_with('_') {
@@ -422,6 +445,7 @@ impl Infer<'_, '_> {
     fn with(&mut self, base: &Expr, fields: &[ast::Argument], span: Span, want: Want) -> Node {
         let base = self.expr(base, want);
         let mut nodes: Vec<(ast::Name, Node)> = Vec::new();
+        let mut places: HashMap<&str, Span> = HashMap::new();
         for field in fields {
             let Some(name) = &field.name else {
                 self.any(&field.value);
@@ -435,10 +459,11 @@ impl Infer<'_, '_> {
                 );
                 continue;
             };
-            if let Some((earlier, _)) = nodes.iter().find(|(n, _)| n.text == name.text) {
+            if let Some(earlier) = places.insert(&name.text, name.span) {
+                places.insert(&name.text, earlier);
                 let title = format!("the field `{}` is given twice", name.text);
-                let diagnostic = Diagnostic::error(codes::DUPLICATE_FIELD, name.span, title)
-                    .also(earlier.span, "first here");
+                let diagnostic =
+                    Diagnostic::error(codes::DUPLICATE_FIELD, name.span, title).also(earlier, "first here");
                 self.report(diagnostic);
                 continue;
             }

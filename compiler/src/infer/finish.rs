@@ -68,7 +68,7 @@ impl Infer<'_, '_> {
 }
 
 /// Most nodes of the types in a whole program.
-const MOST_WRITTEN: u64 = 4_000_000;
+pub(super) const MOST_WRITTEN: u64 = 4_000_000;
 
 struct Finish<'e, 'a> {
     infer: Infer<'e, 'a>,
@@ -250,10 +250,7 @@ impl Finish<'_, '_> {
 
     fn field(&self, base: &Type, name: &str) -> Option<Part> {
         match base {
-            Type::Struct(id, _) => {
-                let fields = &self.module().structs[id.0 as usize].fields;
-                fields.iter().position(|(n, _)| n == name).map(|i| Part::Field(i as u32))
-            }
+            Type::Struct(id, _) => self.infer.env.field(*id, name).map(|i| Part::Field(i as u32)),
             Type::Tuple(_) => name.parse().ok().map(Part::Field),
             Type::Vec(n) | Type::IVec(n) => swizzle(name, *n).map(Part::Swizzle),
             _ => None,

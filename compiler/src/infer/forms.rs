@@ -2,11 +2,12 @@
 //!
 //! Their names are not reserved; this is what they mean where nothing shadows them.
 
+use super::call::Given;
 use super::goals::GoalKind;
 use super::table::{Form, Ty};
 use super::tree::{Kind, Node, RangeForm};
 use super::{Infer, Want};
-use crate::ast::{Argument, ExprKind};
+use crate::ast::ExprKind;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -56,23 +57,23 @@ pub fn example(name: &str) -> &'static str {
 }
 
 impl Infer<'_, '_> {
-    pub(super) fn form_call(&mut self, name: &str, arguments: &[Argument], span: Span, want: Want) -> Node {
+    pub(super) fn form_call(&mut self, name: &str, arguments: &[Given], span: Span, want: Want) -> Node {
         let Some(row) = find(name) else { return self.error_node(span) };
         if arguments.len() != row.arguments {
             self.argument_count(name, row.arguments, arguments, span, None);
             self.check_anyway(arguments);
             return self.error_node(span);
         }
-        if let Some(named) = arguments.iter().find_map(|a| a.name.as_ref()) {
+        if let Some(named) = arguments.iter().find_map(|a| a.name) {
             self.named_argument(name, named.span);
         }
         match row.op {
             FormOp::Range(op) => self.range(op, row, arguments, span, want),
-            FormOp::Derivative(n) => self.derivative(n, &arguments[0], span, want),
+            FormOp::Derivative(n) => self.derivative(n, arguments[0], span, want),
         }
     }
 
-    fn range(&mut self, op: RangeOp, row: &Row, arguments: &[Argument], span: Span, want: Want) -> Node {
+    fn range(&mut self, op: RangeOp, row: &Row, arguments: &[Given], span: Span, want: Want) -> Node {
         let ExprKind::Range(lo, hi) = &arguments[0].value.kind else {
             if !matches!(arguments[0].value.kind, ExprKind::Error) {
                 let title = format!("the first argument of `{}` is a range", row.name);
@@ -87,10 +88,10 @@ impl Infer<'_, '_> {
         let why = Some((arguments[0].value.span, "the ends of a range are i32"));
         let lo = self.expr(lo, Want { ty: Ty::I32, why });
         let hi = self.expr(hi, Want { ty: Ty::I32, why });
-        let step = &arguments[arguments.len() - 1].value;
+        let step = arguments[arguments.len() - 1].value;
         let (init, params, result) = match op {
             RangeOp::Fold => {
-                let init = &arguments[1].value;
+                let init = arguments[1].value;
                 // A known type of the whole explains a wrong start; else the start explains the rest.
                 let init = self.expr(init, want);
                 let ty = init.ty;
@@ -112,11 +113,11 @@ impl Infer<'_, '_> {
         self.settle(kind, result, span, want)
     }
 
-    fn derivative(&mut self, n: u8, argument: &Argument, span: Span, want: Want) -> Node {
+    fn derivative(&mut self, n: u8, argument: Given, span: Span, want: Want) -> Node {
         let ty = if n == 1 { Ty::F32 } else { Ty::vec(n) };
         let takes = self.table.add(Form::Fn(vec![ty], Ty::F32));
         let gives = self.table.add(Form::Fn(vec![ty], ty));
-        let f = self.expr(&argument.value, Want::just(takes));
+        let f = self.expr(argument.value, Want::just(takes));
         self.settle(Kind::Derivative(Box::new(f)), gives, span, want)
     }
 }

@@ -181,8 +181,8 @@ impl Infer<'_, '_> {
             }
             Form::Struct(id, args) => {
                 let declared = &module.structs[id.0 as usize];
-                match declared.fields.iter().find(|(n, _)| *n == name.text) {
-                    Some((_, ty)) => self.table.import(ty, &args),
+                match self.env.field(id, &name.text) {
+                    Some(at) => self.table.import(&declared.fields[at].1, &args),
                     None => {
                         self.unknown_field(
                             name,

@@ -3,6 +3,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
+use super::finish::MOST_WRITTEN;
 use super::table::{Form, Origin, Ty};
 use super::tree::{Number, Pattern, PatternKind};
 use super::{HereType, Infer, Want};
@@ -15,8 +16,21 @@ use crate::resolve::types::count;
 use crate::source::Span;
 use crate::typed::{LocalId, StructId};
 
-/// Names that an earlier alternative of an or-pattern bound.
-type Bound = HashMap<String, LocalId>;
+/// Names that an earlier alternative bound, of an or-pattern and of those around it.
+#[derive(Default)]
+pub(super) struct Bound<'b> {
+    own: HashMap<String, LocalId>,
+    around: Option<&'b Bound<'b>>,
+}
+
+impl Bound<'_> {
+    fn get(&self, name: &str) -> Option<LocalId> {
+        self.own.get(name).copied().or_else(|| self.around?.get(name))
+    }
+}
+
+/// Nodes of types that a part of a pattern counts as.
+const NODES_OF_A_PART: u64 = 2;
 
 /// Fields of a struct that a message names.
 const MOST_FIELDS: usize = 12;
@@ -24,7 +38,7 @@ const MOST_FIELDS: usize = 12;
 impl Infer<'_, '_> {
     pub(super) fn pattern(&mut self, p: &ast::Pattern, want: Want) -> Pattern {
         let mark = self.scope.len();
-        let pattern = self.pattern_part(p, want, &Bound::new());
+        let pattern = self.pattern_part(p, want, &Bound::default());
         self.distinct_since(mark);
         pattern
     }
@@ -111,7 +125,7 @@ impl Infer<'_, '_> {
                         let why = Some((local.span, "it has another type here"));
                         let ty = local.ty;
                         self.require(span, want.ty, Want { ty, why });
-                        *id
+                        id
                     }
                     None => self.local(name, want.ty, span),
                 };
@@ -175,6 +189,9 @@ impl Infer<'_, '_> {
         match constructor {
             Some(Value::Struct(id)) => {
                 let declared = &module.structs[id.0 as usize];
+                if !self.may_fill_in(declared.fields.len().saturating_sub(fields.len())) {
+                    return self.parts_alone(fields, bound);
+                }
                 let args = self.pattern_args(declared.generics.len(), span);
                 let types: Vec<Ty> =
                     declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
@@ -187,6 +204,9 @@ impl Infer<'_, '_> {
                 let declared = &module.enums[id.0 as usize];
                 let args = self.pattern_args(declared.generics.len(), span);
                 let variant = &declared.variants[index as usize];
+                if !self.may_fill_in(variant.fields.len().saturating_sub(fields.len())) {
+                    return self.parts_alone(fields, bound);
+                }
                 let types: Vec<Ty> = variant.fields.iter().map(|t| self.table.import(t, &args)).collect();
                 let ty = self.table.add(Form::Enum(id, args));
                 self.require(span, ty, want);
@@ -202,12 +222,25 @@ impl Infer<'_, '_> {
             }
             _ => {
                 self.no_constructor(name);
-                for field in fields {
-                    self.pattern_part(&field.pattern, Want::just(Ty::ERROR), bound);
-                }
-                PatternKind::Wild
+                self.parts_alone(fields, bound)
             }
         }
+    }
+
+    /// Counts parts that a pattern has without being written. Too many in the whole program are reported with its
+    /// types.
+    fn may_fill_in(&mut self, parts: usize) -> bool {
+        let written = self.env.written.get().saturating_add(NODES_OF_A_PART * parts as u64);
+        self.env.written.set(written);
+        written <= MOST_WRITTEN
+    }
+
+    /// Binds the names of a pattern that is wrong itself.
+    fn parts_alone(&mut self, fields: &[FieldPattern], bound: &Bound) -> PatternKind {
+        for field in fields {
+            self.pattern_part(&field.pattern, Want::just(Ty::ERROR), bound);
+        }
+        PatternKind::Wild
     }
 
     fn no_constructor(&mut self, name: &Name) {
@@ -277,8 +310,7 @@ impl Infer<'_, '_> {
         let declared = &self.env.module.structs[id.0 as usize];
         let mut parts: Vec<Option<Pattern>> = types.iter().map(|_| None).collect();
         for field in fields {
-            let index =
-                field.name.as_ref().and_then(|n| declared.fields.iter().position(|(f, _)| *f == n.text));
+            let index = field.name.as_ref().and_then(|n| self.env.field(id, &n.text));
             let ty = index.map_or(Ty::ERROR, |i| types[i]);
             let part = self.pattern_part(&field.pattern, Want::just(ty), bound);
             match (&field.name, index) {
@@ -295,10 +327,10 @@ impl Infer<'_, '_> {
                 (None, _) => {
                     let span = field.pattern.span;
                     let binding = match &field.pattern.kind {
-                        ast::PatternKind::Name(text) => declared.fields.iter().find(|(f, _)| f == text),
+                        ast::PatternKind::Name(text) => self.env.field(id, text).map(|_| text.as_str()),
                         _ => None,
                     };
-                    self.report(super::call::mixed_fields(span, binding.map(|(f, _)| f.as_str())));
+                    self.report(super::call::mixed_fields(span, binding));
                 }
             }
         }
@@ -357,13 +389,13 @@ impl Infer<'_, '_> {
         let mark = self.scope.len();
         let mut parts: Vec<Pattern> = Vec::new();
         let mut first: Vec<(String, LocalId)> = Vec::new();
-        let mut names = bound.clone();
+        let mut names = Bound { own: HashMap::new(), around: Some(bound) };
         for p in alternatives {
             let part = self.pattern_part(p, want, &names);
             let own = self.scope.split_off(mark);
             match parts.is_empty() {
                 true => {
-                    names.extend(own.iter().cloned());
+                    names.own.extend(own.iter().cloned());
                     first = own;
                 }
                 false => self.same_names(&first, &own, &parts[0], &part),

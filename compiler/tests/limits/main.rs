@@ -7,6 +7,7 @@
 //! name has these words and shows what each took.
 
 mod constructs;
+mod crossed;
 mod texts;
 
 use cpu_time::ProcessTime;
@@ -46,7 +47,7 @@ fn main() -> ExitCode {
         compile_all(text);
         return ExitCode::SUCCESS;
     }
-    let families: [(&str, Family); 14] = [
+    let families: [(&str, Family); 17] = [
         ("nested", texts::nested),
         ("repeated", texts::repeated),
         ("lexical", texts::lexical),
@@ -61,6 +62,9 @@ fn main() -> ExitCode {
         ("values", constructs::values),
         ("networks", constructs::networks),
         ("names", constructs::names),
+        ("fields", crossed::fields),
+        ("calls", crossed::calls),
+        ("depths", crossed::depths),
     ];
     let mut trials: Vec<Trial> = families
         .into_iter()

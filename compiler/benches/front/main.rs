@@ -15,6 +15,11 @@ use ghyll_compiler::optimise::{CLEANING, run};
 use ghyll_compiler::source::Source;
 use ghyll_compiler::split::{lift, split};
 use ghyll_compiler::wgsl;
+use mimalloc::MiMalloc;
+
+/// As in the binary.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 const LINES: &[usize] = &[1_000, 3_000, 10_000, 30_000, 100_000];
 

@@ -10,6 +10,7 @@ mod constructs;
 mod crossed;
 mod texts;
 
+use cap::Cap;
 use cpu_time::ProcessTime;
 use ghyll_compiler::compile::{self, CompileError, Options};
 use ghyll_compiler::diagnostic::Report;
@@ -17,7 +18,7 @@ use ghyll_compiler::front::Checked;
 use ghyll_compiler::report;
 use ghyll_compiler::source::{Files, Source};
 use libtest_mimic::{Arguments, Failed, Trial};
-use peak_alloc::PeakAlloc;
+use mimalloc::MiMalloc;
 use std::collections::HashMap;
 use std::io::{Read, Write};
 use std::process::{Command, ExitCode, Stdio};
@@ -25,7 +26,7 @@ use std::time::{Duration, Instant};
 use texts::Text;
 
 #[global_allocator]
-static MEMORY: PeakAlloc = PeakAlloc;
+static MEMORY: Cap<MiMalloc> = Cap::new(MiMalloc, usize::MAX);
 
 const RELEASE: bool = !cfg!(debug_assertions);
 /// Length of a text.
@@ -78,7 +79,6 @@ fn main() -> ExitCode {
 
 /// Does to a text what `ghyll check` and `ghyll build` do, and counts the longer of both.
 fn compile_all(text: String) {
-    MEMORY.reset_peak_usage();
     let start = ProcessTime::now();
     if text.starts_with(PLANTED_TIME) {
         while start.elapsed().as_secs_f64() < MOST_SECONDS + 0.1 {}
@@ -109,7 +109,7 @@ fn compile_all(text: String) {
             longest = f64::max(longest, start.elapsed().as_secs_f64() - before);
         }
     }
-    let (seconds, memory) = (front + longest, MEMORY.peak_usage_as_mb());
+    let (seconds, memory) = (front + longest, MEMORY.max_allocated() as f32 / (1 << 20) as f32);
     found.dedup();
     found.truncate(6);
     println!("{seconds} {memory} {}", found.join(","));

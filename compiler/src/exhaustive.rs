@@ -5,7 +5,9 @@
 //! it is useful after the arms before; a match is exhaustive if `_` is not useful after all of them, and
 //! the value that makes it useful is the missing case.
 
-use std::collections::HashSet;
+use std::rc::Rc;
+
+use rustc_hash::FxHashSet;
 
 use crate::typed::{Literal, Module, Pattern, PatternKind, Type};
 
@@ -30,10 +32,11 @@ pub fn coverage(module: &Module, ty: &Type, arms: &[(&Pattern, bool)]) -> Covera
     if let Some(coverage) = flat(&check, ty, arms) {
         return coverage;
     }
-    let types = [ty.clone()];
-    let mut rows: Vec<Vec<Pat>> = Vec::new();
-    for (i, (pattern, guarded)) in arms.iter().enumerate() {
-        let row = vec![Pat::of(pattern)];
+    let types = [Rc::new(ty.clone())];
+    let patterns: Vec<Pat> = arms.iter().map(|(pattern, _)| Pat::of(pattern)).collect();
+    let mut rows: Vec<Row> = Vec::new();
+    for (i, ((_, guarded), pattern)) in arms.iter().zip(&patterns).enumerate() {
+        let row = vec![pattern];
         match check.useful(&rows, &row, &types) {
             Ok(None) => coverage.unreachable.push(i),
             Ok(Some(_)) => {}
@@ -43,7 +46,7 @@ pub fn coverage(module: &Module, ty: &Type, arms: &[(&Pattern, bool)]) -> Covera
             rows.push(row);
         }
     }
-    match check.useful(&rows, &[Pat::Wild], &types) {
+    match check.useful(&rows, &[&Pat::Wild], &types) {
         Ok(missing) => coverage.missing = missing.and_then(|mut w| w.pop()).map(|w| w.show(module)),
         Err(TooComplex) => coverage.too_complex = true,
     }
@@ -54,7 +57,7 @@ pub fn coverage(module: &Module, ty: &Type, arms: &[(&Pattern, bool)]) -> Covera
 fn flat(check: &Check, ty: &Type, arms: &[(&Pattern, bool)]) -> Option<Coverage> {
     let mut coverage = Coverage { missing: None, unreachable: Vec::new(), too_complex: false };
     let all = check.signature(ty);
-    let mut taken: HashSet<Constructor> = HashSet::new();
+    let mut taken: FxHashSet<Constructor> = FxHashSet::default();
     let mut open = true;
     for (i, (pattern, guarded)) in arms.iter().enumerate() {
         let mut wild = false;
@@ -83,7 +86,7 @@ fn flat(check: &Check, ty: &Type, arms: &[(&Pattern, bool)]) -> Option<Coverage>
         let witness = match missing {
             Some(constructor) => {
                 let fields = check.fields(ty, constructor).iter().map(|_| Witness::Any).collect();
-                Witness::Build(ty.clone(), constructor, fields)
+                Witness::Build(Rc::new(ty.clone()), constructor, fields)
             }
             None => Witness::Any,
         };
@@ -132,16 +135,16 @@ enum Constructor {
 }
 
 /// A pattern without names.
-#[derive(Clone)]
 enum Pat {
     Wild,
     Build(Constructor, Vec<Pat>),
+    /// None of them is wild or has alternatives itself.
     Or(Vec<Pat>),
 }
 
 impl Pat {
     fn of(pattern: &Pattern) -> Pat {
-        let all = |parts: &[Pattern]| parts.iter().map(Pat::of).collect();
+        let all = |parts: &[Pattern]| parts.iter().map(Pat::of).collect::<Vec<Pat>>();
         match &pattern.kind {
             PatternKind::Wild | PatternKind::Bind(_) => Pat::Wild,
             PatternKind::Literal(literal) => Pat::Build(Constructor::of(*literal), Vec::new()),
@@ -149,7 +152,25 @@ impl Pat {
                 Pat::Build(Constructor::Only, all(parts))
             }
             PatternKind::Variant(_, index, parts) => Pat::Build(Constructor::Variant(*index), all(parts)),
-            PatternKind::Or(parts) => Pat::Or(all(parts)),
+            PatternKind::Or(_) => {
+                let parts: Vec<Pat> = alternatives(pattern).into_iter().map(Pat::of).collect();
+                // One that fits anything leaves nothing to the others.
+                if parts.iter().any(|part| matches!(part, Pat::Wild)) { Pat::Wild } else { Pat::Or(parts) }
+            }
+        }
+    }
+
+    fn alternatives(&self) -> &[Pat] {
+        match self {
+            Pat::Or(alternatives) => alternatives,
+            _ => std::slice::from_ref(self),
+        }
+    }
+
+    fn constructor(&self) -> Option<Constructor> {
+        match self {
+            Pat::Build(constructor, _) => Some(*constructor),
+            _ => None,
         }
     }
 }
@@ -169,13 +190,13 @@ impl Constructor {
 /// A value that was found, with what does not matter left open.
 enum Witness {
     Any,
-    Build(Type, Constructor, Vec<Witness>),
+    Build(Rc<Type>, Constructor, Vec<Witness>),
 }
 
 impl Witness {
     fn show(&self, module: &Module) -> String {
         let Witness::Build(ty, constructor, parts) = self else { return "_".to_owned() };
-        let name = match (ty, constructor) {
+        let name = match (&**ty, constructor) {
             (_, Constructor::Bool(b)) => return b.to_string(),
             (Type::Enum(id, _), Constructor::Variant(i)) => {
                 module.enums[id.0 as usize].variants[*i as usize].name.as_str()
@@ -201,6 +222,9 @@ struct Check<'a> {
     budget: u64,
 }
 
+/// Patterns side by side, shared by all rows that come of the same pattern.
+type Row<'p> = Vec<&'p Pat>;
+
 impl Check<'_> {
     fn spend(&mut self, rows: usize, columns: usize) -> Result<(), TooComplex> {
         let work = 1 + rows as u64 * (1 + (columns / COLUMNS_OF_A_ROW) as u64);
@@ -211,22 +235,25 @@ impl Check<'_> {
     /// Values of `types` that fit `row` and none of `rows`.
     fn useful(
         &mut self,
-        rows: &[Vec<Pat>],
-        row: &[Pat],
-        types: &[Type],
+        rows: &[Row],
+        row: &[&Pat],
+        types: &[Rc<Type>],
     ) -> Result<Option<Vec<Witness>>, TooComplex> {
         self.spend(rows.len(), types.len())?;
-        let is_wild = |row: &[Pat], at: usize| matches!(row[at], Pat::Wild);
+        if rows.is_empty() {
+            return Ok(Some(types.iter().map(|_| Witness::Any).collect()));
+        }
+        let is_wild = |row: &[&Pat], at: usize| matches!(row[at], Pat::Wild);
         let is_open = |at: usize| is_wild(row, at) && rows.iter().all(|row| is_wild(row, at));
         let asked: Vec<usize> = (0..types.len()).filter(|at| !is_open(*at)).collect();
         if asked.len() == types.len() {
             return self.useful_now(rows, row, types);
         }
         // What nobody asks about is anything.
-        let part = |row: &[Pat]| asked.iter().map(|at| row[*at].clone()).collect::<Vec<Pat>>();
-        let rows: Vec<Vec<Pat>> = rows.iter().map(|row| part(row)).collect();
-        let asked_types: Vec<Type> = asked.iter().map(|at| types[*at].clone()).collect();
-        let found = self.useful_now(&rows, &part(row), &asked_types)?;
+        let rows: Vec<Row> = rows.iter().map(|row| asked.iter().map(|at| row[*at]).collect()).collect();
+        let row: Row = asked.iter().map(|at| row[*at]).collect();
+        let asked_types: Vec<Rc<Type>> = asked.iter().map(|at| types[*at].clone()).collect();
+        let found = self.useful_now(&rows, &row, &asked_types)?;
         Ok(found.map(|found| {
             let mut all: Vec<Witness> = types.iter().map(|_| Witness::Any).collect();
             asked.iter().zip(found).for_each(|(at, witness)| all[*at] = witness);
@@ -237,17 +264,18 @@ impl Check<'_> {
     /// As [`Check::useful`], where each column is asked about by some row.
     fn useful_now(
         &mut self,
-        rows: &[Vec<Pat>],
-        row: &[Pat],
-        types: &[Type],
+        rows: &[Row],
+        row: &[&Pat],
+        types: &[Rc<Type>],
     ) -> Result<Option<Vec<Witness>>, TooComplex> {
         let Some((ty, rest)) = types.split_first() else {
             return Ok(rows.is_empty().then(Vec::new));
         };
-        match &row[0] {
+        match row[0] {
             Pat::Or(alternatives) => {
+                let mut row = row.to_vec();
                 for alternative in alternatives {
-                    let row: Vec<Pat> = std::iter::once(alternative).chain(&row[1..]).cloned().collect();
+                    row[0] = alternative;
                     if let Some(found) = self.useful(rows, &row, types)? {
                         return Ok(Some(found));
                     }
@@ -256,8 +284,8 @@ impl Check<'_> {
             }
             Pat::Build(constructor, _) => self.specialised(*constructor, rows, row, ty, rest),
             Pat::Wild => {
-                let mut used = Vec::new();
-                rows.iter().for_each(|row| constructors(&row[0], &mut used));
+                let built = rows.iter().flat_map(|row| row[0].alternatives());
+                let used: FxHashSet<Constructor> = built.filter_map(Pat::constructor).collect();
                 match self.signature(ty) {
                     Some(all) if all.iter().all(|c| used.contains(c)) => {
                         for constructor in all {
@@ -277,12 +305,12 @@ impl Check<'_> {
     fn specialised(
         &mut self,
         constructor: Constructor,
-        rows: &[Vec<Pat>],
-        row: &[Pat],
-        ty: &Type,
-        rest: &[Type],
+        rows: &[Row],
+        row: &[&Pat],
+        ty: &Rc<Type>,
+        rest: &[Rc<Type>],
     ) -> Result<Option<Vec<Witness>>, TooComplex> {
-        let mut types = self.fields(ty, constructor);
+        let mut types: Vec<Rc<Type>> = self.fields(ty, constructor).into_iter().map(Rc::new).collect();
         let arity = types.len();
         self.spend(rows.len(), arity + rest.len())?;
         types.extend_from_slice(rest);
@@ -303,14 +331,15 @@ impl Check<'_> {
     fn others(
         &mut self,
         all: Option<Vec<Constructor>>,
-        used: &[Constructor],
-        rows: &[Vec<Pat>],
-        row: &[Pat],
-        ty: &Type,
-        rest: &[Type],
+        used: &FxHashSet<Constructor>,
+        rows: &[Row],
+        row: &[&Pat],
+        ty: &Rc<Type>,
+        rest: &[Rc<Type>],
     ) -> Result<Option<Vec<Witness>>, TooComplex> {
-        let mut inner = Vec::new();
-        rows.iter().for_each(|row| without_first(row, &mut inner));
+        // What is left of the rows when the first value is made by none of the constructors mentioned.
+        let fits = rows.iter().filter(|row| row[0].alternatives().iter().any(|p| matches!(p, Pat::Wild)));
+        let inner: Vec<Row> = fits.map(|row| row[1..].to_vec()).collect();
         let Some(found) = self.useful(&inner, &row[1..], rest)? else { return Ok(None) };
         let missing =
             all.filter(|_| !used.is_empty()).and_then(|all| all.into_iter().find(|c| !used.contains(c)));
@@ -353,49 +382,17 @@ impl Check<'_> {
     }
 }
 
-fn constructors(pat: &Pat, into: &mut Vec<Constructor>) {
-    match pat {
-        Pat::Wild => {}
-        Pat::Build(constructor, _) if into.contains(constructor) => {}
-        Pat::Build(constructor, _) => into.push(*constructor),
-        Pat::Or(alternatives) => alternatives.iter().for_each(|p| constructors(p, into)),
-    }
-}
-
 /// The rows that a row becomes when its first value is known to be made by a constructor.
-fn specialise(constructor: Constructor, arity: usize, row: &[Pat], into: &mut Vec<Vec<Pat>>) {
-    let rest = &row[1..];
-    match &row[0] {
-        Pat::Wild => into.push(vec![Pat::Wild; arity].into_iter().chain(rest.iter().cloned()).collect()),
-        Pat::Build(own, parts) if *own == constructor => {
-            // Patterns with errors may have other numbers of fields.
-            let parts = parts.iter().cloned().chain(std::iter::repeat(Pat::Wild)).take(arity);
-            into.push(parts.chain(rest.iter().cloned()).collect());
-        }
-        Pat::Build(..) => {}
-        Pat::Or(alternatives) => {
-            for alternative in alternatives {
-                let row: Vec<Pat> = std::iter::once(alternative).chain(rest).cloned().collect();
-                specialise(constructor, arity, &row, into);
-            }
-        }
-    }
-}
-
-/// The rows that are left when the first value is made by none of the constructors mentioned.
-fn without_first(row: &[Pat], into: &mut Vec<Vec<Pat>>) {
-    let any = |pat: &Pat| {
-        let mut work = vec![pat];
-        while let Some(pat) = work.pop() {
-            match pat {
-                Pat::Wild => return true,
-                Pat::Build(..) => {}
-                Pat::Or(alternatives) => work.extend(alternatives),
-            }
-        }
-        false
-    };
-    if any(&row[0]) {
-        into.push(row[1..].to_vec());
+fn specialise<'p>(constructor: Constructor, arity: usize, row: &[&'p Pat], into: &mut Vec<Row<'p>>) {
+    let (first, rest) = (row[0], &row[1..]);
+    for alternative in first.alternatives() {
+        let parts: &'p [Pat] = match alternative {
+            Pat::Build(own, parts) if *own == constructor => parts,
+            Pat::Build(..) => continue,
+            _ => &[],
+        };
+        // Patterns with errors may have other numbers of fields.
+        let parts = parts.iter().chain(std::iter::repeat(&Pat::Wild)).take(arity);
+        into.push(parts.chain(rest.iter().copied()).collect());
     }
 }

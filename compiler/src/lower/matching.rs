@@ -1,6 +1,7 @@
 //! Patterns: a chain of tests, first arm that fits. What is known of the value now drops arms now.
 
 use super::value::Value;
+use super::words::dissect_any;
 use super::{Env, Lower};
 use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout::Items;
@@ -253,12 +254,17 @@ impl<'m> Lower<'m> {
         self.bind(last, value, ty, &mut bound);
         let types = bound_types(last);
         for choice in before.iter().rev() {
+            let mut own = Env { locals: Default::default(), types: env.types.clone() };
+            self.bind(choice, value, ty, &mut own);
+            own.locals.retain(|id, value| bound.locals.get(id).is_none_or(|other| !is_same(value, other)));
+            // Most alternatives bind the same parts, whichever of them fits.
+            if own.locals.is_empty() {
+                continue;
+            }
             let fits = self.test(choice, value, ty);
             if fits == FALSE {
                 continue;
             }
-            let mut own = Env { locals: Default::default(), types: env.types.clone() };
-            self.bind(choice, value, ty, &mut own);
             for (id, value) in own.locals {
                 let joined = match (bound.locals.get(&id).cloned(), types.get(&id)) {
                     (Some(other), Some(ty)) if fits != TRUE => {
@@ -318,6 +324,11 @@ fn bound_types(pattern: &Pattern) -> BTreeMap<LocalId, &Type> {
         }
     }
     found
+}
+
+fn is_same(a: &Value, b: &Value) -> bool {
+    let (mut xs, mut ys) = (Vec::new(), Vec::new());
+    dissect_any(a, &mut xs) == dissect_any(b, &mut ys) && xs == ys
 }
 
 /// Is the value, or a part of it, one that is not known to come at all?

@@ -192,7 +192,7 @@ impl<'e, 'a> Env<'e, 'a> {
 struct Infer<'e, 'a> {
     env: &'e Env<'e, 'a>,
     place: Place<'e>,
-    table: Table,
+    table: Table<'e>,
     locals: Vec<Local>,
     scope: Names,
     goals: Goals,

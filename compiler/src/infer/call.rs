@@ -59,7 +59,8 @@ impl Infer<'_, '_> {
                 self.note(callee.span, Meaning::Variant(id, index), Ty::ERROR);
                 let module = self.env.module;
                 let declared = &module.enums[id.0 as usize];
-                let args = self.instantiate(&declared.generics, name, callee.span);
+                let of = &declared.variants[index as usize].name;
+                let args = self.instantiate(&declared.generics, of, callee.span);
                 let fields = &declared.variants[index as usize].fields;
                 let params: Params = fields.iter().map(|t| (self.table.import(t, &args), None)).collect();
                 let ty = self.table.add(Form::Enum(id, args));
@@ -188,7 +189,7 @@ impl Infer<'_, '_> {
     ) -> Node {
         let module = self.env.module;
         let function = &module.functions[id.0 as usize];
-        let args = self.instantiate(&function.generics, name, at);
+        let args = self.instantiate(&function.generics, &function.name, at);
         let written = self.env.functions.get(id.0 as usize).map(|(_, f)| *f);
         let spans = |i: usize| written.map(|f: &ast::Function| f.params[i].1.span);
         let types = function.param_types().enumerate();
@@ -206,7 +207,7 @@ impl Infer<'_, '_> {
     fn construct(&mut self, id: StructId, name: &str, arguments: &[Given], span: Span, want: Want) -> Node {
         let module = self.env.module;
         let declared = &module.structs[id.0 as usize];
-        let args = self.instantiate(&declared.generics, name, span);
+        let args = self.instantiate(&declared.generics, &declared.name, span);
         let params: Params =
             declared.fields.iter().map(|(_, t)| (self.table.import(t, &args), None)).collect();
         let ty = self.table.add(Form::Struct(id, args));
@@ -406,9 +407,8 @@ impl Infer<'_, '_> {
             );
             return self.error_node(span);
         };
-        let origin = |table: &mut super::table::Table| {
-            table.fresh(Origin::Generic("T".to_owned(), builtin.name().to_owned(), span))
-        };
+        let origin =
+            |table: &mut super::table::Table| table.fresh(Origin::Generic("T", builtin.name(), span));
         let params: Vec<Ty> = (0..n).map(|_| origin(&mut self.table)).collect();
         let result = origin(&mut self.table);
         let ty = self.table.add(Form::Fn(params.clone(), result));

@@ -19,10 +19,21 @@ use crate::resolve::types::count;
 use crate::source::Span;
 use crate::typed::{BinaryOp, LocalId, Type, UnaryOp};
 
+impl<'e> Infer<'e, '_> {
+    /// Fresh types for the type parameters of an item.
+    pub(super) fn instantiate(&mut self, generics: &'e [String], of: &'e str, span: Span) -> Vec<Ty> {
+        generics.iter().map(|param| self.table.fresh(Origin::Generic(param, of, span))).collect()
+    }
+}
+
 impl Infer<'_, '_> {
     /// Checks an expression against the type its place wants.
     pub(super) fn expr(&mut self, e: &Expr, want: Want) -> Node {
         let span = e.span;
+        // What is refused needs no types.
+        if self.table.is_full() {
+            return self.error_node(span);
+        }
         match &e.kind {
             ExprKind::Error => self.error_node(span),
             ExprKind::Bool(b) => self.settle(Kind::Number(Number::Bool(*b)), Ty::BOOL, span, want),
@@ -132,7 +143,7 @@ impl Infer<'_, '_> {
             self.note_local(name, id, span);
             (Kind::Local(id), self.locals[id.0 as usize].ty)
         } else if let Some(value) = self.env.names.scopes.value(self.place.file, name) {
-            let (kind, ty) = self.global(value, name, span);
+            let (kind, ty) = self.global(value, span);
             self.note(span, value.into(), ty);
             (kind, ty)
         } else if let Some(builtin) = self.env.names.scopes.builtin(self.place.file, name) {
@@ -145,12 +156,12 @@ impl Infer<'_, '_> {
     }
 
     /// An item used as a value.
-    fn global(&mut self, value: Value, name: &str, span: Span) -> (Kind, Ty) {
+    fn global(&mut self, value: Value, span: Span) -> (Kind, Ty) {
         let module = self.env.module;
         match value {
             Value::Function(id) => {
                 let function = &module.functions[id.0 as usize];
-                let args = self.instantiate(&function.generics, name, span);
+                let args = self.instantiate(&function.generics, &function.name, span);
                 let params = function.param_types().map(|t| self.table.import(t, &args)).collect();
                 let result = self.table.import(&function.result, &args);
                 (Kind::Function(id, args), self.table.add(Form::Fn(params, result)))
@@ -166,13 +177,14 @@ impl Infer<'_, '_> {
             }
             Value::Struct(id) => {
                 let declared = &module.structs[id.0 as usize];
-                let args = self.instantiate(&declared.generics, name, span);
+                let args = self.instantiate(&declared.generics, &declared.name, span);
                 let params = declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
                 let result = self.table.add(Form::Struct(id, args));
                 (Kind::StructFunction(id), self.table.add(Form::Fn(params, result)))
             }
             Value::Variant(id, index) => {
                 let declared = &module.enums[id.0 as usize];
+                let name = &declared.variants[index as usize].name;
                 let args = self.instantiate(&declared.generics, name, span);
                 let fields = &declared.variants[index as usize].fields;
                 let params: Vec<Ty> = fields.iter().map(|t| self.table.import(t, &args)).collect();
@@ -183,12 +195,6 @@ impl Infer<'_, '_> {
                 }
             }
         }
-    }
-
-    /// Fresh types for the type parameters of an item.
-    pub(super) fn instantiate(&mut self, generics: &[String], of: &str, span: Span) -> Vec<Ty> {
-        let origin = |param: &String| Origin::Generic(param.clone(), of.to_owned(), span);
-        generics.iter().map(|param| self.table.fresh(origin(param))).collect()
     }
 
     pub(super) fn unknown_name(&mut self, name: &str, span: Span) {

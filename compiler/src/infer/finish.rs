@@ -35,18 +35,18 @@ impl Infer<'_, '_> {
         for (ty, span) in comparable {
             finish.comparable(ty, span);
         }
-        // What is wrong elsewhere in the body may be why a name is not read.
-        let unused = match finish.infer.has_errors() {
-            true => Vec::new(),
-            false => std::mem::take(&mut finish.infer.unused),
-        };
-        finish.notes();
         if finish.infer.table.is_full() || finish.infer.env.written.get() > MOST_WRITTEN {
             finish.report(
                 Diagnostic::error(codes::TOO_LARGE, expr.span, "the types in this program are too large")
                     .help("give smaller types to what is used most"),
             );
         }
+        // What is wrong elsewhere in the body may be why a name is not read.
+        let unused = match finish.infer.has_errors() {
+            true => Vec::new(),
+            false => std::mem::take(&mut finish.infer.unused),
+        };
+        finish.notes();
         let mut diagnostics = finish.infer.out;
         diagnostics.extend(unused);
         let mut seen = HashSet::new();
@@ -136,6 +136,10 @@ impl Finish<'_, '_> {
     fn expr(&mut self, node: Node) -> Expr {
         let Node { kind, ty, span } = node;
         let ty = self.ty(ty, span);
+        // What is refused is not written out.
+        if self.infer.env.written.get() > MOST_WRITTEN {
+            return error(span);
+        }
         if let Some(notes) = &self.infer.env.names.notes {
             notes.borrow_mut().expression(span, &ty);
         }
@@ -147,6 +151,8 @@ impl Finish<'_, '_> {
             Kind::Param(id) => ExprKind::Param(id),
             Kind::Raster(id) => ExprKind::Raster(id),
             Kind::Function(id, args) => {
+                let written = self.infer.env.written.get().saturating_add(args.len() as u64);
+                self.infer.env.written.set(written);
                 ExprKind::Function(id, args.into_iter().map(|arg| self.ty(arg, span)).collect())
             }
             Kind::Builtin(builtin) => ExprKind::Builtin(builtin),

@@ -21,7 +21,7 @@ pub fn show(table: &Table, module: &Module, generics: &[String], ty: Ty) -> Stri
 }
 
 struct Printer<'a> {
-    table: &'a Table,
+    table: &'a Table<'a>,
     module: &'a Module,
     generics: &'a [String],
     text: String,

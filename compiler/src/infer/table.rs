@@ -16,14 +16,14 @@ pub struct Ty(u32);
 
 /// Why a variable exists; tells the person what to annotate.
 #[derive(Clone, Debug)]
-pub enum Origin {
+pub enum Origin<'e> {
     Local(String, Span),
     /// Type parameter of an item that is used there.
-    Generic(String, String, Span),
+    Generic(&'e str, &'e str, Span),
     Value(Span),
 }
 
-impl Origin {
+impl Origin<'_> {
     fn rank(&self) -> u8 {
         match self {
             Origin::Value(_) => 0,
@@ -78,9 +78,9 @@ pub enum Clash {
     TooLarge,
 }
 
-pub struct Table {
+pub struct Table<'e> {
     nodes: Vec<Form>,
-    origins: Vec<Origin>,
+    origins: Vec<Origin<'e>>,
     /// Variables that became something, or literals, since somebody asked.
     learned: Vec<Ty>,
     /// Sizes of types without variables.
@@ -128,14 +128,14 @@ impl Ty {
     }
 }
 
-impl Default for Table {
-    fn default() -> Table {
+impl Default for Table<'_> {
+    fn default() -> Self {
         let (origins, learned) = (Vec::new(), Vec::new());
         Table { nodes: FIXED.to_vec(), origins, learned, ground: RefCell::default(), full: false }
     }
 }
 
-impl Table {
+impl<'e> Table<'e> {
     /// A new type; an error when there is no room for more, see [`Table::is_full`].
     pub fn add(&mut self, form: Form) -> Ty {
         if self.nodes.len() >= MOST_NODES {
@@ -146,7 +146,7 @@ impl Table {
         Ty(self.nodes.len() as u32 - 1)
     }
 
-    pub fn fresh(&mut self, origin: Origin) -> Ty {
+    pub fn fresh(&mut self, origin: Origin<'e>) -> Ty {
         self.variable(origin, false)
     }
 
@@ -154,10 +154,13 @@ impl Table {
         self.variable(Origin::Value(span), true)
     }
 
-    fn variable(&mut self, origin: Origin, literal: bool) -> Ty {
-        self.origins.push(origin);
-        let origin = self.origins.len() as u32 - 1;
-        self.add(Form::Var { literal, origin, rank: 0 })
+    fn variable(&mut self, origin: Origin<'e>, literal: bool) -> Ty {
+        let at = self.origins.len() as u32;
+        let variable = self.add(Form::Var { literal, origin: at, rank: 0 });
+        if variable != Ty::ERROR {
+            self.origins.push(origin);
+        }
+        variable
     }
 
     /// Whether types were left out because there were too many.
@@ -187,7 +190,7 @@ impl Table {
         matches!(self.form(ty), Form::Var { .. })
     }
 
-    pub fn origin(&self, ty: Ty) -> Option<&Origin> {
+    pub fn origin(&self, ty: Ty) -> Option<&Origin<'e>> {
         match self.form(ty) {
             Form::Var { origin, .. } => Some(&self.origins[*origin as usize]),
             _ => None,

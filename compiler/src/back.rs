@@ -3,7 +3,7 @@
 use crate::core::Program;
 use crate::optimise::{CLEANING, optimise, run};
 use crate::split::live::tail_size;
-use crate::split::{TooManyWords, lift, split};
+use crate::split::{TooMany, lift, split};
 use crate::table::{Table, TaskId, Token};
 use crate::wgsl::{self, Wgsl};
 
@@ -26,8 +26,8 @@ const LONG_LOOP: u64 = 2048;
 /// Optimises, splits and writes a verified program.
 ///
 /// # Errors
-/// [`TooManyWords`]
-pub fn back(mut program: Program) -> Result<Back, TooManyWords> {
+/// [`TooMany`]
+pub fn back(mut program: Program) -> Result<Back, TooMany> {
     optimise(&mut program);
     lift::loops(&mut program);
     finish(program)
@@ -35,7 +35,7 @@ pub fn back(mut program: Program) -> Result<Back, TooManyWords> {
 
 impl Back {
     /// The same program with its long loops as tasks, which can be suspended. Its entry has the same number and
-    /// operands. It is the same where that would take too many words.
+    /// operands. It is the same where that would take too many words or tasks.
     pub fn with_loops_as_tasks(&self) -> Back {
         self.with_loops_of_more_than(LONG_LOOP)
     }
@@ -43,11 +43,11 @@ impl Back {
     fn with_loops_of_more_than(&self, turns: u64) -> Back {
         let mut program = self.core.clone();
         lift::long_loops(&mut program, turns);
-        finish(program).unwrap_or_else(|TooManyWords| self.clone())
+        finish(program).unwrap_or_else(|_| self.clone())
     }
 }
 
-fn finish(mut program: Program) -> Result<Back, TooManyWords> {
+fn finish(mut program: Program) -> Result<Back, TooMany> {
     run(CLEANING, &mut program);
     let (table, entry) = split(&program)?;
     debug_assert_eq!(

@@ -10,7 +10,7 @@ use crate::diagnostic::Diagnostic;
 use crate::front::walk::walk;
 use crate::lower::slot::fitting;
 use crate::lower::{self, Asked, Settings};
-use crate::split::TooManyWords;
+use crate::split::TooMany;
 use crate::typed::{Expr, ExprKind, FunctionId, Module};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -145,25 +145,25 @@ pub(crate) fn backs(
     Ok((back, in_order(bakes)))
 }
 
-/// A token holds the number of its task, and the number of literals before it, in 16 bits each.
 fn within_limits(
     module: &Module,
     id: FunctionId,
-    back: Result<Back, TooManyWords>,
+    back: Result<Back, TooMany>,
 ) -> Result<Back, Vec<Diagnostic>> {
-    let Ok(back) = back else {
-        let title = "too many values are needed behind calls of tasks";
-        let help = "each such call passes on all that is needed after it: compute less before it, or leave `@task` away";
-        return Err(vec![too_much(module, id, title, help)]);
-    };
-    if back.table.tasks.len() < MOST_TASKS && back.table.longest_emission() as usize <= MOST_TASKS {
-        return Ok(back);
-    }
-    let help = "pass fewer words, and leave `@task` away where it is not needed";
-    Err(vec![too_much(module, id, "the program has too many tasks, or tasks of too many words", help)])
+    back.map_err(|why| {
+        let (title, help) = match why {
+            TooMany::Words => (
+                "too many values are needed behind calls of tasks",
+                "each such call passes on all that is needed after it: compute less before it, or leave `@task` away",
+            ),
+            TooMany::Tasks => (
+                "the program has too many tasks, or tasks of too many words",
+                "pass fewer words, and leave `@task` away where it is not needed",
+            ),
+        };
+        vec![too_much(module, id, title, help)]
+    })
 }
-
-const MOST_TASKS: usize = 0xffff;
 
 /// Bakes behind all that they read.
 fn in_order(mut bakes: BTreeMap<u32, Bake>) -> Vec<Bake> {

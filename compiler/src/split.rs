@@ -13,21 +13,29 @@ use crate::core::graph::Graph;
 use crate::core::{Mark, Program};
 use crate::table::{Table, TaskId};
 
-/// The continuations of a program would take too many words in all: each takes what is live at its call.
+/// Why a program has no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooManyWords;
+pub enum TooMany {
+    /// The continuations would take too many words in all: each takes what is live at its call.
+    Words,
+    /// More tasks than a token can tell apart, or more literals before one than it can count.
+    Tasks,
+}
+
+/// A token holds the number of its task, and the number of literals before it, in 16 bits each.
+const MOST_TASKS: usize = 0xffff;
 
 /// The table of everything the entry reaches, and the entry's task.
 ///
 /// # Errors
-/// [`TooManyWords`]
-pub fn split(program: &Program) -> Result<(Table, TaskId), TooManyWords> {
+/// [`TooMany`]
+pub fn split(program: &Program) -> Result<(Table, TaskId), TooMany> {
     let mut program = program.clone();
     lift::loops(&mut program);
     let tasks = tasks(&program);
     let entry = program.entry as usize;
-    let drafts = body::split(&mut program.functions, tasks, entry).ok_or(TooManyWords)?;
-    Ok(assemble::table(drafts, &program.functions))
+    let drafts = body::split(&mut program.functions, tasks, entry).ok_or(TooMany::Words)?;
+    assemble::table(drafts, &program.functions)
 }
 
 /// Which functions are tasks.

@@ -7,6 +7,7 @@ use rustc_hash::{FxHashMap, FxHashSet, FxHasher};
 
 use super::body::Draft;
 use super::live::copy;
+use super::{MOST_TASKS, TooMany};
 use crate::core::graph::Graph;
 use crate::core::names::Names;
 use crate::core::walk::{Renumber, calls, compact, map_calls};
@@ -14,12 +15,19 @@ use crate::core::{FnId, Function};
 use crate::table::{Emission, Table, Tail, TailBlock, Task, TaskId, Token};
 
 /// The table of what draft 0 reaches; its task is the entry.
-pub fn table(drafts: Vec<Draft>, functions: &[Function]) -> (Table, TaskId) {
+///
+/// # Errors
+/// [`TooMany::Tasks`]
+pub fn table(drafts: Vec<Draft>, functions: &[Function]) -> Result<(Table, TaskId), TooMany> {
     let is_root: Vec<_> = drafts.iter().map(|d| d.is_root).collect();
     let owners: Vec<_> = drafts.iter().map(|d| d.function).collect();
     let mut tasks: Vec<_> = drafts.into_iter().map(|d| task(d, functions)).collect();
     merge(&mut tasks, &is_root);
     let order = reached(&tasks);
+    let is_long = |draft: &usize| tasks[*draft].longest_emission() as usize > MOST_TASKS;
+    if order.len() >= MOST_TASKS || order.iter().any(is_long) {
+        return Err(TooMany::Tasks);
+    }
     name(&mut tasks, &order, &is_root, &owners, functions);
 
     let number: FxHashMap<_, _> =
@@ -31,7 +39,7 @@ pub fn table(drafts: Vec<Draft>, functions: &[Function]) -> (Table, TaskId) {
         table.tasks.push(task);
     }
     helpers(&mut table, functions);
-    (table, TaskId(0))
+    Ok((table, TaskId(0)))
 }
 
 /// With variables numbered in the order of definition, so that equal bodies are equal data.

@@ -7,11 +7,12 @@
 
 use super::shape::Shape;
 use super::value::{Closure, Value};
-use super::words::{dissect_any, rebuild_any, shape, zero};
+use super::words::{rebuild_any, shape, words_of, zero};
 use super::{Env, Lower};
 use crate::core::{Atom, Block, Const, Op, Prim, Scalar, Stmt};
 use crate::source::Span;
 use crate::typed::Type;
+use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -121,15 +122,18 @@ impl<'m> Lower<'m> {
 
     /// The value as a choice between `candidates`.
     fn choose(&mut self, value: &Value<'m>, candidates: &Rc<Vec<Value<'m>>>, ty: &Type) -> Value<'m> {
+        if let Value::Choice(own, ..) = value
+            && own.iter().map(shape).eq(candidates.iter().map(shape))
+        {
+            return value.clone();
+        }
+        let places = Places::of(candidates);
         let (tag, payload) = match value {
-            Value::Choice(own, ..) if own.iter().map(shape).eq(candidates.iter().map(shape)) => {
-                return value.clone();
-            }
             Value::Choice(own, tag, payload) => {
                 let rows: Vec<(Atom, Vec<Atom>)> = (0..own.len())
                     .map(|i| {
                         let candidate = self.candidate(&own[i], payload);
-                        self.chosen(&candidate, candidates, ty)
+                        self.chosen(&candidate, candidates, &places, ty)
                     })
                     .collect();
                 let tags: Vec<Atom> = rows.iter().map(|(tag, _)| *tag).collect();
@@ -138,25 +142,29 @@ impl<'m> Lower<'m> {
                 let payload = columns.into_iter().map(|column| self.by_tag(*tag, column)).collect();
                 (self.by_tag(*tag, tags), payload)
             }
-            value => self.chosen(value, candidates, ty),
+            value => self.chosen(value, candidates, &places, ty),
         };
         Value::Choice(Rc::clone(candidates), tag, payload)
     }
 
     /// Tag and payload of a value with a head of its own.
-    fn chosen(&mut self, value: &Value<'m>, candidates: &[Value<'m>], ty: &Type) -> (Atom, Vec<Atom>) {
+    fn chosen(
+        &mut self,
+        value: &Value<'m>,
+        candidates: &[Value<'m>],
+        places: &Places,
+        ty: &Type,
+    ) -> (Atom, Vec<Atom>) {
         self.work(candidates.len() / CANDIDATES_OF_A_STATEMENT);
-        let head = head(value);
-        let tag = candidates.iter().position(|c| self::head(c) == head).expect("a join has every head");
+        let tag = *places.tags.get(&head(value)).expect("a join has every head");
         let value = match (value, &candidates[tag]) {
             // Not `coerce`: the candidate is not a choice itself.
             (Value::Variant(..) | Value::Function(_), like) => self.coerce(value, like, ty),
             _ => unreachable!("candidates are functions or variants"),
         };
         let mut words = Vec::new();
-        dissect_any(&value, &mut words);
-        let scalars = payload(candidates);
-        let payload = scalars.iter().enumerate().map(|(at, scalar)| match words.get(at) {
+        words_of(&value, &mut words);
+        let payload = places.payload.iter().enumerate().map(|(at, scalar)| match words.get(at) {
             Some(word) => self.as_word(*word, *scalar),
             None => zero(*scalar),
         });
@@ -182,7 +190,7 @@ impl<'m> Lower<'m> {
     /// The candidate with its words taken from the payload.
     pub fn candidate(&mut self, outline: &Value<'m>, payload: &[Atom]) -> Value<'m> {
         let mut zeros = Vec::new();
-        dissect_any(outline, &mut zeros);
+        words_of(outline, &mut zeros);
         let words: Vec<Atom> =
             zeros.iter().zip(payload).map(|(z, word)| self.as_word(*word, self.scalar_of(*z))).collect();
         rebuild_any(outline, &mut words.into_iter())
@@ -272,10 +280,26 @@ impl<'m> Lower<'m> {
 
 /// What tells candidates apart: the outermost layer of their shape.
 pub(super) fn head(value: &Value) -> Shape {
-    match shape(value) {
-        Shape::Variant(tag, _) => Shape::Variant(tag, Vec::new()),
-        Shape::Lambda(identity, types, _) => Shape::Lambda(identity, types, Vec::new()),
-        plain => plain,
+    match value {
+        Value::Variant(tag, _) => Shape::Variant(*tag, Vec::new()),
+        Value::Function(closure) => match closure.lambda() {
+            Some(lambda) => Shape::Lambda(lambda.identity(), Rc::clone(&lambda.types), Vec::new()),
+            None => shape(value),
+        },
+        _ => shape(value),
+    }
+}
+
+/// What finds the place of a value among candidates.
+struct Places {
+    tags: FxHashMap<Shape, usize>,
+    payload: Vec<Scalar>,
+}
+
+impl Places {
+    fn of(candidates: &[Value]) -> Places {
+        let tags = candidates.iter().enumerate().map(|(at, candidate)| (head(candidate), at));
+        Places { tags: tags.collect(), payload: payload(candidates) }
     }
 }
 
@@ -284,7 +308,7 @@ fn payload(candidates: &[Value]) -> Vec<Scalar> {
     let mut scalars: Vec<Scalar> = Vec::new();
     for candidate in candidates {
         let mut words = Vec::new();
-        dissect_any(candidate, &mut words);
+        words_of(candidate, &mut words);
         for (at, word) in words.iter().enumerate() {
             let Atom::Const(zero) = word else { unreachable!("an outline's words are constants") };
             match scalars.get_mut(at) {

@@ -1,7 +1,7 @@
 //! Constants are computed once, now: their expression is lowered as a program of its own and interpreted.
 
 use super::value::Value;
-use super::words::dissect_any;
+use super::words::words_of;
 use super::{Builder, Env, Lower};
 use crate::core::{Atom, Block, Const, Function, Mark, Op, Program, Scalar};
 use crate::interpret::{self, NoHost};
@@ -88,6 +88,6 @@ impl<'m> Lower<'m> {
 /// Is every machine word of the value known now?
 pub(super) fn has_only_constants(value: &Value) -> bool {
     let mut words = Vec::new();
-    dissect_any(value, &mut words);
+    words_of(value, &mut words);
     words.iter().all(|word| matches!(word, Atom::Const(_)))
 }

@@ -61,7 +61,7 @@ impl<'m> Lower<'m> {
     /// As `outline`, for captures.
     pub fn outline_any(&self, value: &Value<'m>) -> Value<'m> {
         let mut words = Vec::new();
-        dissect_any(value, &mut words);
+        words_of(value, &mut words);
         rebuild_any(value, &mut words.into_iter().map(|a| zero(self.scalar_of(a))))
     }
 
@@ -179,6 +179,25 @@ pub fn dissect_any(value: &Value, words: &mut Vec<Atom>) -> Shape {
             Shape::Choice(candidates.iter().map(shape).collect())
         }
         Value::Never => Shape::Never,
+    }
+}
+
+/// The machine words of a value, as [`dissect_any`] finds them.
+pub fn words_of(value: &Value, words: &mut Vec<Atom>) {
+    match value {
+        Value::Atom(atom) => words.push(*atom),
+        Value::Enum(tag, payload) | Value::Choice(_, tag, payload) => {
+            words.push(*tag);
+            words.extend(payload);
+        }
+        Value::Group(items) => items.iter().for_each(|v| words_of(v, words)),
+        Value::Variant(_, fields) => fields.iter().for_each(|v| words_of(v, words)),
+        Value::Function(closure) => match &**closure {
+            Closure::Lambda(lambda) => lambda.captures.iter().for_each(|c| words_of(&c.value, words)),
+            Closure::Derivative(f) => words_of(f, words),
+            _ => {}
+        },
+        Value::Never => {}
     }
 }
 

@@ -1,7 +1,11 @@
 //! Direct interpretation of core: what tests hold the optimiser, the splitter and the rewriter against, and
 //! what `ghyll trace` applies to each redex.
 
-use crate::core::{Atom, Block, Const, FnId, Function, Intrinsic, Loop, Op, Program, Stmt, Var};
+use smallvec::{SmallVec, smallvec};
+
+use crate::core::{
+    Atom, Block, Const, FnId, Function, Intrinsic, Loop, Op, Prim, Program, Scalar, Stmt, Var,
+};
 use crate::scalar;
 use crate::table::{Emission, Table, Tail, TailBlock, Task};
 
@@ -57,7 +61,7 @@ pub fn run_with(
     let mut machine = Machine { functions: &program.functions, host, fuel: *fuel, depth: 0 };
     let results = machine.call(FnId(program.entry), args);
     *fuel = machine.fuel;
-    results
+    results.map(Values::into_vec)
 }
 
 /// What one rewrite of a task leaves: one of its emissions, with the values its literals have.
@@ -69,7 +73,7 @@ pub fn rewrite(
     fuel: &mut u64,
 ) -> Result<Rewritten, Stopped> {
     let mut machine = Machine { functions: &table.helpers, host, fuel: *fuel, depth: 0 };
-    let mut args = args.to_vec();
+    let mut args = Values::from_slice(args);
     loop {
         let mut frame = Frame::new(&task.vars, &task.params, &args);
         let exit = machine.tail(&mut frame, &task.body);
@@ -86,7 +90,7 @@ pub type Rewritten = Vec<crate::table::Token<Const>>;
 
 enum Exit {
     Emit(Rewritten),
-    Again(Vec<Const>),
+    Again(Values),
 }
 
 struct Machine<'a> {
@@ -96,13 +100,16 @@ struct Machine<'a> {
     depth: u32,
 }
 
+/// Most operations take and give few values.
+type Values = SmallVec<[Const; 4]>;
+
 /// Values of one body's variables; a variable without a value yet holds a zero.
 struct Frame {
     values: Vec<Const>,
 }
 
 impl Frame {
-    fn new(vars: &[crate::core::Scalar], params: &[Var], args: &[Const]) -> Frame {
+    fn new(vars: &[Scalar], params: &[Var], args: &[Const]) -> Frame {
         let mut frame = Frame { values: vars.iter().map(|s| Const::from_word(*s, 0)).collect() };
         frame.bind(params, args);
         frame
@@ -121,8 +128,21 @@ impl Frame {
         }
     }
 
-    fn all(&self, atoms: &[Atom]) -> Vec<Const> {
+    fn all(&self, atoms: &[Atom]) -> Values {
         atoms.iter().map(|a| self.get(*a)).collect()
+    }
+
+    fn prim(&self, prim: Prim, scalar: Scalar, args: &[Atom]) -> Const {
+        match (prim, args) {
+            // An index reads one of its elements, of which there may be thousands.
+            (Prim::Index, [index, elements @ ..]) => {
+                let Const::I32(at) = self.get(*index) else { unreachable!("an index is an i32") };
+                self.get(elements[at.clamp(0, elements.len() as i32 - 1) as usize])
+            }
+            (_, &[a]) => scalar::eval(prim, scalar, &[self.get(a)]),
+            (_, &[a, b]) => scalar::eval(prim, scalar, &[self.get(a), self.get(b)]),
+            _ => scalar::eval(prim, scalar, &self.all(args)),
+        }
     }
 
     fn emission(&self, emission: &Emission) -> Rewritten {
@@ -141,7 +161,7 @@ impl Machine<'_> {
         Ok(())
     }
 
-    fn call(&mut self, id: FnId, args: &[Const]) -> Result<Vec<Const>, Stopped> {
+    fn call(&mut self, id: FnId, args: &[Const]) -> Result<Values, Stopped> {
         let f = &self.functions[id.0 as usize];
         if self.depth >= MAX_DEPTH {
             return Err(Stopped::TooDeep);
@@ -154,7 +174,7 @@ impl Machine<'_> {
         results
     }
 
-    fn block(&mut self, frame: &mut Frame, block: &Block) -> Result<Vec<Const>, Stopped> {
+    fn block(&mut self, frame: &mut Frame, block: &Block) -> Result<Values, Stopped> {
         self.stmts(frame, &block.stmts)?;
         Ok(frame.all(&block.results))
     }
@@ -162,18 +182,22 @@ impl Machine<'_> {
     fn stmts(&mut self, frame: &mut Frame, stmts: &[Stmt]) -> Result<(), Stopped> {
         for stmt in stmts {
             self.spend(1)?;
+            if let Op::Prim(prim, scalar, args) = &stmt.op {
+                frame.values[stmt.dst[0].0 as usize] = frame.prim(*prim, *scalar, args);
+                continue;
+            }
             let values = self.op(frame, stmt)?;
             frame.bind(&stmt.dst, &values);
         }
         Ok(())
     }
 
-    fn op(&mut self, frame: &mut Frame, stmt: &Stmt) -> Result<Vec<Const>, Stopped> {
+    fn op(&mut self, frame: &mut Frame, stmt: &Stmt) -> Result<Values, Stopped> {
         match &stmt.op {
-            Op::Prim(prim, scalar, args) => Ok(vec![scalar::eval(*prim, *scalar, &frame.all(args))]),
+            Op::Prim(prim, scalar, args) => Ok(smallvec![frame.prim(*prim, *scalar, args)]),
             Op::Intrinsic(i, args) => {
                 let answer = self.host.intrinsic(*i, &frame.all(args));
-                answer.ok_or_else(|| Stopped::NotAnswered(i.name().into()))
+                answer.map(Values::from).ok_or_else(|| Stopped::NotAnswered(i.name().into()))
             }
             Op::Live(index) => {
                 let word = self.host.live(*index);
@@ -190,16 +214,21 @@ impl Machine<'_> {
         }
     }
 
-    fn looped(&mut self, frame: &mut Frame, l: &Loop) -> Result<Vec<Const>, Stopped> {
-        let vars: Vec<_> = l.state.iter().map(|(v, _)| *v).collect();
-        let mut state: Vec<_> = l.state.iter().map(|(_, init)| frame.get(*init)).collect();
+    fn looped(&mut self, frame: &mut Frame, l: &Loop) -> Result<Values, Stopped> {
+        let mut state: Values = l.state.iter().map(|(_, init)| frame.get(*init)).collect();
+        let steps = 1 + state.len() as u64 / VARIABLES_OF_A_STEP;
         loop {
-            self.spend(1)?;
-            frame.bind(&vars, &state);
-            if self.block(frame, &l.cond)?.first() != Some(&Const::Bool(true)) {
+            self.spend(steps)?;
+            for ((v, _), value) in l.state.iter().zip(&state) {
+                frame.values[v.0 as usize] = *value;
+            }
+            self.stmts(frame, &l.cond.stmts)?;
+            if l.cond.results.first().map(|more| frame.get(*more)) != Some(Const::Bool(true)) {
                 return Ok(state);
             }
-            state = self.block(frame, &l.body)?;
+            self.stmts(frame, &l.body.stmts)?;
+            state.clear();
+            state.extend(l.body.results.iter().map(|next| frame.get(*next)));
         }
     }
 

@@ -10,11 +10,13 @@
 //! What the operations' rows in [`PRIMS`](crate::core::prims::PRIMS) do not allow gives a zero of the result's scalar
 //! and does not occur in verified programs.
 
+use smallvec::SmallVec;
+
 use crate::core::{Const, Prim, Scalar};
 
 /// Applies `prim` to operands of `scalar`.
 pub fn eval(prim: Prim, scalar: Scalar, args: &[Const]) -> Const {
-    let words: Vec<u32> = args.iter().map(|c| c.word()).collect();
+    let words: SmallVec<[u32; 4]> = args.iter().map(|c| c.word()).collect();
     eval_words(prim, scalar, &words)
 }
 

@@ -24,7 +24,10 @@ pub struct Config {
     pub depth: Option<u32>,
     /// Tokens in a block; raised to what the longest arity needs.
     pub block: u32,
+    /// Threads of the twin; on the GPU invocations in a workgroup of lanes.
     pub threads: Option<usize>,
+    /// On the GPU: workgroups of lanes in one dispatch.
+    pub groups: Option<u32>,
     /// Bytes for all that a run keeps: [`Memory`].
     pub max_memory: u64,
     pub max_rewrites: Option<u64>,
@@ -44,6 +47,7 @@ impl Default for Config {
             depth: None,
             block: 512,
             threads: None,
+            groups: None,
             max_memory: 1 << 30,
             max_rewrites: None,
             timeout: Duration::from_secs(60),

@@ -162,6 +162,7 @@ impl Engine {
         let groups = pipelines.groups(&gpu.device, &buffers);
         let mut tables = code.arities.clone();
         tables.push(shape.components + 1);
+        let pixel_groups = config.groups.unwrap_or(gpu.parallel_groups() * 4).max(1);
         gpu.queue.write_buffer(&buffers.tables, 0, bytemuck::cast_slice(&tables));
         Ok(Engine {
             gpu: gpu.clone(),
@@ -177,7 +178,7 @@ impl Engine {
             readback: Readback::default(),
             fuel: Fuel::default(),
             cap: gpu.loop_turns().map_or(i32::MAX, |turns| turns as i32 / 3),
-            pixel_groups: gpu.parallel_groups() * 4,
+            pixel_groups,
             pixel_share: PIXEL_SHARE,
             pixels_per_group: 1,
             pixel_fuel: PIXEL_FUEL,
@@ -263,8 +264,8 @@ impl Engine {
     /// Lanes in flight.
     fn groups_of_lanes(&self) -> u32 {
         let parallel = self.gpu.parallel_groups();
-        match self.config.threads {
-            Some(threads) => (threads as u32 / self.shape.lanes).clamp(1, 65535),
+        match self.config.groups {
+            Some(groups) => groups.max(1),
             // Expansion stops when all lanes are busy; the paper's rounds have no use for that.
             None if self.gpu.info().software && self.config.rewriter != Rewriter::Block => parallel * 4,
             None if self.gpu.info().software => parallel * 256,

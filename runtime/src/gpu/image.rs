@@ -208,7 +208,7 @@ impl Engine {
                 self.lower_pixel_share(&state)?;
                 continue;
             }
-            if state.pixel < total {
+            if state.pixel < total && self.config.groups.is_none() {
                 self.pixels_per_group = ((state.pixel - pixel) / groups).max(1);
                 let scale = SUBMISSION.as_secs_f64() / time.as_secs_f64().max(1e-6);
                 let groups = f64::from(self.pixel_groups) * scale.clamp(1.0 / 16.0, 8.0);
@@ -225,7 +225,7 @@ impl Engine {
     /// Workgroups that draw so many pixels: no more than have something to do, as a start costs a few pixels' time.
     fn groups_for(&self, pixels: u32) -> u32 {
         let needed = (pixels / self.pixels_per_group).saturating_add(self.gpu.parallel_groups());
-        needed.min(self.pixel_groups)
+        if self.config.groups.is_some() { self.pixel_groups } else { needed.min(self.pixel_groups) }
     }
 
     /// After loops were cut short by the adapter: fewer pixels for a lane in one dispatch, and less of its last one.

@@ -10,6 +10,10 @@ const LONGEST_BLOCK: u32 = 1 << 14;
 /// Workgroups per row of a dispatch; WebGPU allows 65535.
 pub const GRID: u32 = 32768;
 
+/// Invocations and memory of a workgroup that WebGPU promises, less what the stages keep there themselves.
+const MOST_LANES: u32 = 256;
+const WORKGROUP_BYTES: u32 = (16 << 10) - 512;
+
 /// Where lanes keep their windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Windows {
@@ -68,10 +72,24 @@ impl Shape {
         let wide = config.rewriter == Rewriter::Block || components != 0;
         // In few sizes, so that programs can share kernels.
         let window = if wide { least } else { least.max(64) }.next_multiple_of(32).min(block - 3);
+        let windows = if software && config.rewriter != Rewriter::Block {
+            Windows::Private
+        } else {
+            Windows::Workgroup
+        };
+        let usual = if software { 8 } else { 32 };
+        let lanes = config.threads.map_or(usual, |threads| {
+            // What every adapter can hold.
+            let most = match windows {
+                Windows::Private => MOST_LANES,
+                Windows::Workgroup => (WORKGROUP_BYTES / (4 * window)).clamp(1, MOST_LANES),
+            };
+            (threads as u32).clamp(1, most.max(usual))
+        });
         Ok(Shape {
             block,
             window,
-            lanes: if software { 8 } else { 32 },
+            lanes,
             group: if software { 8 } else { 32 },
             emission,
             segment: code.widths.segment,
@@ -81,11 +99,7 @@ impl Shape {
             burst: 64,
             expand: 8,
             pull: if config.rewriter == Rewriter::Block { 1 } else { window / 4 },
-            windows: if software && config.rewriter != Rewriter::Block {
-                Windows::Private
-            } else {
-                Windows::Workgroup
-            },
+            windows,
             can_exhaust: code.functions.contains("exhausted") || code.prelude.contains("exhausted"),
         })
     }

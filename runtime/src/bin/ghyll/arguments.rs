@@ -63,7 +63,7 @@ pub enum Command {
     Trace(Trace),
     /// Show adapters and limits, or what an elevation file holds.
     Info(Info),
-    /// Run one of the project's benchmarks: overhead, calls, stability.
+    /// Run one of the project's benchmarks: overhead, calls, table1, scaling, stability, accuracy, numerics.
     Bench(Bench),
 }
 
@@ -130,15 +130,18 @@ pub struct Machine {
     /// Tokens in a block; 512 if absent.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(32..=4096))]
     pub block: Option<u32>,
-    /// Invocations in a workgroup; threads on the CPU.
+    /// Invocations in a workgroup, as many as the adapter can hold at most; threads on the CPU.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+    /// Workgroups that rewrite at a time.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32768))]
+    pub groups: Option<u32>,
     /// Give up after this many rewrites.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub max_rewrites: Option<u64>,
-    /// Most memory for stream, image and terrain together, such as 512M or 2G.
-    #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = size, allow_hyphen_values = true)]
-    pub max_memory: u64,
+    /// Most memory for stream, image and terrain together, such as 512M or 2G; 1G if absent.
+    #[arg(long, value_name = "SIZE", value_parser = size, allow_hyphen_values = true)]
+    pub max_memory: Option<u64>,
     /// Give up after this many seconds.
     #[arg(long, value_name = "S", default_value = "60", value_parser = seconds, allow_hyphen_values = true)]
     pub timeout: Duration,
@@ -407,10 +410,10 @@ pub struct Info {
 
 #[derive(Args)]
 pub struct Bench {
-    /// overhead: a picture by a hand-written kernel and by Ghyll; calls: rewrites per second; stability: hazards of
-    /// tracing with their bounds; accuracy: frame time against error; numerics: largest error of every
+    /// overhead: a picture by a hand-written kernel and by Ghyll; calls: rewrites per second; table1, scaling: the paper's
+    /// evaluation done again; stability: hazards of tracing with their bounds; accuracy: frame time against error; numerics: largest error of every
     /// built-in function. All if absent.
-    #[arg(value_parser = ["overhead", "calls", "stability", "accuracy", "numerics"])]
+    #[arg(value_parser = ["overhead", "calls", "table1", "scaling", "stability", "accuracy", "numerics"])]
     pub name: Option<String>,
     /// One JSON object on standard output.
     #[arg(long)]
@@ -427,17 +430,18 @@ pub struct Bench {
     /// Random rays over each field of `stability`; of each other hazard there are a tenth.
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub rays: u64,
-    /// Only hazards of `stability`, or terrains, views and surfaces of `accuracy`, or functions of `numerics`, whose name
-    /// contains this.
+    /// Only hazards of `stability`, or terrains, views and surfaces of `accuracy`, functions of `numerics`, rows of `table1`, or
+    /// series of `scaling`, whose name contains this.
     #[arg(long, value_name = "SUBSTRING")]
     pub only: Option<String>,
-    /// Size of the pictures of `accuracy` in pixels, 160x120 if absent; of `numerics`: values of each function, 256x256.
+    /// Size of the pictures in pixels: of `accuracy`, 160x120 if absent, `table1`, 256x256, and `scaling`, 128x128; of
+    /// `numerics`: values of each function, 256x256.
     #[arg(long, value_name = "WxH", value_parser = dimensions, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// One more terrain for `accuracy`.
     #[arg(long, value_name = "FILE")]
     pub dem: Option<PathBuf>,
-    /// Folder for the CSV, Markdown and plot (SVG, PNG) of `accuracy`, the Markdown of `numerics`.
+    /// Folder for the report as JSON, and the Markdown and plots (SVG, PNG) of those that have some.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

@@ -68,8 +68,8 @@ fn tiny_blocks_and_tiny_arenas() {
 #[test]
 fn deep_lanes_outgrow_their_window() {
     let Some(gpu) = gpu() else { return };
-    for (block, threads) in [(512, None), (32, None), (512, Some(8))] {
-        let config = Config { block, threads, ..config(Rewriter::Lane) };
+    for (block, groups, threads) in [(512, None, None), (32, None, None), (512, Some(1), Some(3))] {
+        let config = Config { block, groups, threads, ..config(Rewriter::Lane) };
         assert_eq!(value(&gpu, fib(), config, &[23]).unwrap().words, [28657]);
     }
 }

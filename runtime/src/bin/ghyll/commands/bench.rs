@@ -2,17 +2,26 @@
 
 mod accuracy;
 mod calls;
+mod charts;
+mod errors;
+mod folder;
 mod kernel;
+mod network;
 mod numerics;
 mod overhead;
+mod reference;
+mod scaling;
+mod sites;
 mod stability;
+mod table1;
 
-use crate::arguments::Bench;
+use crate::arguments::{Bench, On};
 use crate::failure::Failure;
 use ghyll_compiler::compile::{self, Compiled, EntryKind, Options};
 use ghyll_compiler::front::Checked;
 use ghyll_compiler::source::Source;
 use ghyll_runtime::gpu::{Gpu, GpuError, GpuOptions};
+use ghyll_runtime::machine::Machine;
 use serde_json::{Value, json};
 
 type Benchmark = fn(&Bench, Option<&Gpu>) -> Result<Vec<Value>, Failure>;
@@ -21,6 +30,8 @@ type Benchmark = fn(&Bench, Option<&Gpu>) -> Result<Vec<Value>, Failure>;
 const BENCHMARKS: &[(&str, Benchmark)] = &[
     ("overhead", overhead::rows),
     ("calls", calls::rows),
+    ("table1", table1::rows),
+    ("scaling", scaling::rows),
     ("stability", stability::rows),
     ("accuracy", accuracy::rows),
     ("numerics", numerics::rows),
@@ -41,12 +52,14 @@ pub fn bench(arguments: &Bench) -> Result<(), Failure> {
         }
         let rows = rows(arguments, gpu.as_ref())?;
         broken += stability::broken(&rows);
+        let date = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
+        let report =
+            json!({ "bench": name, "machine": machine(), "adapter": adapter, "date": date, "rows": rows });
+        if let Some(path) = &arguments.output {
+            folder::Folder::create(path)?.save(&format!("{name}.json"), report.to_string())?;
+        }
         if arguments.json {
-            let date = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
-            crate::report::line!(
-                "{}",
-                json!({ "bench": name, "machine": machine(), "adapter": adapter, "date": date, "rows": rows })
-            );
+            crate::report::line!("{report}");
         } else {
             crate::report::line!("{name} on {adapter}, {}", machine());
             table(&rows);
@@ -65,6 +78,17 @@ fn machine() -> String {
     let name = model.map_or(std::env::consts::ARCH, |(_, name)| name.trim());
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     format!("{name}, {threads} threads")
+}
+
+/// The machines that a benchmark of pictures runs on.
+fn machines(on: On, gpu: Option<&Gpu>) -> Result<Vec<(Machine, &'static str)>, Failure> {
+    let device = |gpu: &Gpu| vec![(Machine::Gpu(Box::new(gpu.clone())), "gpu")];
+    match (on, gpu) {
+        (On::Oracle, _) => Err(Failure::Usage("the oracle is the judge; use --on cpu, gpu or auto".into())),
+        (On::Gpu, None) => Err(Failure::Usage("there is no GPU adapter; use --on cpu".into())),
+        (On::Gpu | On::Auto, Some(gpu)) => Ok(device(gpu)),
+        _ => Ok(vec![(Machine::Cpu, "cpu")]),
+    }
 }
 
 /// Rows as aligned columns, a line for each; rows of other figures begin another table.

@@ -36,7 +36,8 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
         depth: arguments.depth,
         block: arguments.block.unwrap_or(Config::default().block),
         threads: arguments.threads.map(|n| n as usize),
-        max_memory: arguments.max_memory,
+        groups: arguments.groups,
+        max_memory: arguments.max_memory.unwrap_or(Config::default().max_memory),
         max_rewrites: arguments.max_rewrites,
         timeout: arguments.timeout,
         trusted: !arguments.checked,
@@ -60,7 +61,11 @@ pub fn note_stand_in(machine: &Machine, compiled: &Compiled) -> Result<(), Failu
 
 /// Says which options mean nothing to the machine that was picked.
 fn note_ignored(arguments: &arguments::Machine, machine: &Machine) {
-    let off_gpu = [("--adapter", arguments.adapter.is_some()), ("--checked", arguments.checked)];
+    let off_gpu = [
+        ("--adapter", arguments.adapter.is_some()),
+        ("--checked", arguments.checked),
+        ("--groups", arguments.groups.is_some()),
+    ];
     let no_stream = [
         ("--rewriter", arguments.rewriter != arguments::Rewriter::Auto),
         ("--depth", arguments.depth.is_some()),

@@ -1,22 +1,20 @@
 //! `ghyll bench accuracy`: frame time against error. Every terrain is seen from several views on several surfaces, traced exactly and
 //! by the paper's search with many settings; the oracle traces the very rays that the machine computed, in double precision.
 
-mod errors;
 mod files;
 mod measure;
 mod pareto;
 mod pictures;
 mod plot;
-mod sites;
 
-use super::program_with;
-use crate::arguments::{Bench, On};
+use super::folder::Folder;
+use super::{errors, machines, program_with, sites};
+use crate::arguments::Bench;
 use crate::failure::Failure;
 use errors::{Apart, Distances};
 use ghyll_compiler::compile::{Compiled, EntryKind, Options};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::gpu::Gpu;
-use ghyll_runtime::machine::Machine;
 use serde_json::{Value, json};
 
 const PROGRAM: &str = include_str!("../../../../../../benches/accuracy/terrain.ghyll");
@@ -170,20 +168,10 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
     pareto::mark(&mut rows);
     let verdicts = pareto::verdicts(&rows);
     if let Some(folder) = &arguments.output {
-        files::write(folder, &rows, &verdicts)?;
+        files::write(&Folder::create(folder)?, &rows, &verdicts)?;
     }
     let all = rows.iter().map(Row::json);
     Ok(all.chain(verdicts.iter().map(pareto::Verdict::json)).collect())
-}
-
-fn machines(on: On, gpu: Option<&Gpu>) -> Result<Vec<(Machine, &'static str)>, Failure> {
-    let device = |gpu: &Gpu| vec![(Machine::Gpu(Box::new(gpu.clone())), "gpu")];
-    match (on, gpu) {
-        (On::Oracle, _) => Err(Failure::Usage("the oracle is the judge; use --on cpu, gpu or auto".into())),
-        (On::Gpu, None) => Err(Failure::Usage("there is no GPU adapter; use --on cpu".into())),
-        (On::Gpu | On::Auto, Some(gpu)) => Ok(device(gpu)),
-        _ => Ok(vec![(Machine::Cpu, "cpu")]),
-    }
 }
 
 /// The benchmark's program on a surface; searches take their numbers without compiling again.

@@ -6,7 +6,9 @@
 mod table;
 mod values;
 
+use super::folder::Folder;
 use super::program;
+use super::reference::PATIENCE;
 use crate::arguments::{Bench, On};
 use crate::failure::Failure;
 use ghyll_compiler::compile::{Compiled, EntryKind};
@@ -18,10 +20,8 @@ use ghyll_runtime::oracle::{self, OracleOptions};
 use ghyll_runtime::renderer::Renderer;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::time::Duration;
 use table::{Function, TABLE};
 
-const PATIENCE: Duration = Duration::from_secs(3600);
 /// Pixels that take their arguments from the edges.
 const EDGES: u32 = 4096;
 
@@ -231,10 +231,7 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
         return Err(Failure::Usage("--only fits no function of the table".into()));
     }
     if let Some(folder) = &arguments.output {
-        let failed =
-            |e: std::io::Error| Failure::Usage(format!("cannot write into {}: {e}", folder.display()));
-        std::fs::create_dir_all(folder).map_err(failed)?;
-        std::fs::write(folder.join("numerics.md"), markdown(&rows)).map_err(failed)?;
+        Folder::create(folder)?.save("numerics.md", markdown(&rows))?;
     }
     Ok(rows)
 }

@@ -1,22 +1,20 @@
 //! What `-o` writes: every figure as CSV, the table and the verdicts as Markdown, the plot as SVG and PNG.
 
+use super::super::charts;
+use super::super::folder::Folder;
 use super::pareto::Verdict;
 use super::{Row, plot};
 use crate::failure::Failure;
 use serde_json::Value;
 use std::fmt::Write;
-use std::path::Path;
 
-pub fn write(folder: &Path, rows: &[Row], verdicts: &[Verdict]) -> Result<(), Failure> {
-    let failed = |e: std::io::Error| Failure::Usage(format!("cannot write into {}: {e}", folder.display()));
-    std::fs::create_dir_all(folder).map_err(failed)?;
-    let save = |name: &str, content: &[u8]| std::fs::write(folder.join(name), content).map_err(failed);
-    save("accuracy.csv", csv(rows).as_bytes())?;
-    save("accuracy.md", markdown(rows, verdicts).as_bytes())?;
+pub fn write(folder: &Folder, rows: &[Row], verdicts: &[Verdict]) -> Result<(), Failure> {
+    folder.save("accuracy.csv", csv(rows))?;
+    folder.save("accuracy.md", markdown(rows, verdicts))?;
     let panels = plot::panels(rows);
     if !panels.is_empty() {
-        save("accuracy.svg", plot::svg(&panels).map_err(Failure::Run)?.as_bytes())?;
-        save("accuracy.png", &plot::png(&panels).map_err(Failure::Run)?)?;
+        folder.save("accuracy.svg", charts::svg(&panels).map_err(Failure::Run)?)?;
+        folder.save("accuracy.png", charts::png(&panels).map_err(Failure::Run)?)?;
     }
     Ok(())
 }

@@ -1,46 +1,18 @@
 //! One curve: a surface seen once, met by every method. Frames of all methods are taken in turn.
 
 use super::super::Spread;
+use super::super::reference::{PATIENCE, Seen, reference};
 use super::errors::{Apart, Distances};
 use super::{Method, Row, Setting, traced};
 use crate::failure::Failure;
 use ghyll_compiler::compile::{Compiled, set_live};
-use ghyll_compiler::core::Intrinsic;
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::config::Config;
 use ghyll_runtime::image::Image;
 use ghyll_runtime::machine::{Job, Machine};
-use ghyll_runtime::oracle::{self, OracleOptions};
 use ghyll_runtime::renderer::Renderer;
 use ghyll_runtime::terrain::Scene;
-use ghyll_runtime::world::World;
-use std::time::{Duration, Instant};
-
-pub const PATIENCE: Duration = Duration::from_secs(3600);
-
-/// The scene with the rays that a machine has computed, so that errors of rays are none of tracing.
-struct Seen<'a> {
-    scene: &'a Scene,
-    directions: &'a Image,
-}
-
-impl World for Seen<'_> {
-    fn eval_f64(&self, intrinsic: Intrinsic, args: &[f64], out: &mut [f64]) {
-        if intrinsic != Intrinsic::Camera {
-            return self.scene.eval_f64(intrinsic, args, out);
-        }
-        let (at, last) =
-            ([args[0] as u32, args[1] as u32], [self.directions.width - 1, self.directions.height - 1]);
-        let dir = self.directions.pixel(at[0].min(last[0]), at[1].min(last[1]));
-        let scene = self.scene.uniform();
-        let ray = [&scene.eye[..], dir, &[scene.near, scene.far]].concat();
-        out.iter_mut().zip(ray).for_each(|(out, x)| *out = f64::from(x));
-    }
-
-    fn eval_f32(&self, intrinsic: Intrinsic, args: &[u32], out: &mut [u32]) {
-        self.scene.eval_f32(intrinsic, args, out);
-    }
-}
+use std::time::Instant;
 
 /// Colours, and the fourth component of every pixel.
 fn parted(data: &[f64]) -> (Vec<f32>, Vec<f64>) {
@@ -70,7 +42,7 @@ pub fn curve(
     let mut exact = (Renderer::default(), traced(&setting.surface, "pixel", true, false)?);
     let mut search = (Renderer::default(), traced(&setting.surface, "pixel", false, false)?);
     let world = Seen { scene, directions: &directions };
-    let (colors, real) = parted(&reference(&exact.1, size, &world)?);
+    let (colors, real) = parted(&reference(&exact.1, &world)?);
     let reference = rgb(size, colors)?;
 
     let mut times = vec![Vec::new(); methods.len()];
@@ -118,17 +90,4 @@ pub fn curve(
 fn set((checked, compiled): &mut (Checked, Compiled), name: &str, value: u32) -> Result<(), Failure> {
     set_live(checked, compiled, name, &value.to_string())
         .map_err(|_| Failure::Run(format!("the benchmark's program has no live parameter {name}")))
-}
-
-/// The oracle's picture for the rays that the machine computed.
-fn reference(
-    (checked, compiled): &(Checked, Compiled),
-    size: (u32, u32),
-    world: &Seen,
-) -> Result<Vec<f64>, Failure> {
-    let set = compiled.settings.set.iter().map(|(id, setting)| (*id, setting.clone())).collect();
-    let options = OracleOptions { timeout: PATIENCE, set, ..OracleOptions::default() };
-    let place = |column: u32, row: u32| [f64::from(column) + 0.5, f64::from(row) + 0.5];
-    oracle::components(&checked.module, compiled.entry, size, &place, &options, Some(world))
-        .map_err(Failure::run)
 }

@@ -1,8 +1,8 @@
 //! Whole pictures: samples a pixel, lighting, presets and rewriters, against the oracle with many samples.
 
+use super::super::reference::PATIENCE;
 use super::super::{Spread, program_with};
 use super::errors::Apart;
-use super::measure::PATIENCE;
 use super::{Method, Row, Setting, traced};
 use crate::failure::Failure;
 use ghyll_compiler::argument::parse_arguments;

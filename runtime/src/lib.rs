@@ -21,6 +21,7 @@ pub mod rasters;
 pub mod renderer;
 pub mod samples;
 pub mod terrain;
+pub mod tuner;
 pub mod twin;
 pub mod value;
 pub mod world;

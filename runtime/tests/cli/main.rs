@@ -18,4 +18,5 @@ mod rasters;
 mod repl;
 mod streams;
 mod support;
+mod tuner;
 mod view;

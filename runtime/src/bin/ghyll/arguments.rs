@@ -266,6 +266,8 @@ pub struct Render {
     /// go before them.
     #[arg(long, value_name = "NAME", value_parser = ["time", "quality", "memory"])]
     pub preset: Option<String>,
+    #[command(flatten)]
+    pub tuning: Tuning,
     /// Frames A to B - 1 of a film; `t` is a frame's number in --set, --eye, --look-at, --fov, --sun and in a parameter `t`.
     #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
     pub frames: Option<[i64; 2]>,
@@ -275,6 +277,25 @@ pub struct Render {
     /// Frames a second of a film.
     #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = rate, requires = "frames")]
     pub fps: f64,
+}
+
+/// Limits for which operators are chosen by measurement.
+#[derive(Args)]
+pub struct Tuning {
+    /// Let the tuner choose detail, shadows, samples and baking: the best picture whose frames take at most so many
+    /// milliseconds.
+    #[arg(long, value_name = "N", value_parser = milliseconds, conflicts_with = "preset", allow_hyphen_values = true)]
+    pub frame_ms: Option<f64>,
+    /// Let the tuner choose: the fastest way whose picture is as near as this to the best one's; with --frame-ms the best
+    /// within the time.
+    #[arg(long, value_name = "DB", value_parser = decibels, conflicts_with = "preset", allow_hyphen_values = true)]
+    pub min_psnr: Option<f64>,
+    /// Let the tuner choose without these limits too: the best picture within --max-memory.
+    #[arg(long, conflicts_with = "preset")]
+    pub tune: bool,
+    /// File that keeps what the tuner measured; what is found there is not measured again.
+    #[arg(long, value_name = "FILE", default_value = "ghyll.tuning.json")]
+    pub tuning: PathBuf,
 }
 
 #[derive(Args)]
@@ -509,6 +530,16 @@ fn fov(text: &str) -> Result<Moving, String> {
 
 fn moving_sun(text: &str) -> Result<Moving, String> {
     Moving::parse(text, &[2], |text| sun(text).map(Vec::from))
+}
+
+fn milliseconds(text: &str) -> Result<f64, String> {
+    let [ms] = numbers::<1>(text, "milliseconds")?;
+    if ms > 0.0 { Ok(ms) } else { Err("must be positive".into()) }
+}
+
+fn decibels(text: &str) -> Result<f64, String> {
+    let [decibels] = numbers::<1>(text, "decibels")?;
+    if decibels > 0.0 { Ok(decibels) } else { Err("must be positive".into()) }
 }
 
 fn refraction(text: &str) -> Result<f64, String> {

@@ -6,7 +6,7 @@ use ghyll_runtime::machine::Machine;
 use ghyll_runtime::memory::size;
 use ghyll_runtime::progress::{Progress, Step};
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -45,12 +45,21 @@ fn written(outcome: std::io::Result<()>) {
     }
 }
 
-/// What `--json` prints of pictures that were written.
-pub fn wrote(files: &[PathBuf], (width, height): (u32, u32), seconds: f64, machine: &Machine) {
+/// What `--json` prints of pictures that were written, with what the tuner chose and expects.
+pub fn wrote(
+    files: &[PathBuf],
+    (width, height): (u32, u32),
+    seconds: f64,
+    machine: &Machine,
+    tuned: Option<Value>,
+) {
     let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    let report = json!({
+    let mut report = json!({
         "files": files, "width": width, "height": height, "seconds": seconds, "machine": machine.describe(),
     });
+    if let Some(tuned) = tuned {
+        report["tuned"] = tuned;
+    }
     line!("{report}");
 }
 

@@ -28,7 +28,7 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());
     if arguments.program.json {
         let seconds = stats.total.as_secs_f64();
-        report::wrote(std::slice::from_ref(&arguments.output), (width, height), seconds, &machine);
+        report::wrote(std::slice::from_ref(&arguments.output), (width, height), seconds, &machine, None);
     }
     report::stats(&arguments.machine, &machine, &stats);
     Ok(())

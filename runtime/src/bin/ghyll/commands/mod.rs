@@ -15,6 +15,7 @@ pub mod repl;
 pub mod run;
 mod scene;
 pub mod trace;
+mod tune;
 pub mod view;
 
 use crate::arguments;

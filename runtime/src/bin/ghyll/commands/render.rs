@@ -1,7 +1,7 @@
 //! `ghyll render`: a picture of an image entry, or a film of it.
 
 use super::film::Film;
-use super::{checked, compiled_as, machine, read, scene, writable};
+use super::{checked, compiled_as, machine, read, scene, tune, writable};
 use crate::arguments::Render;
 use crate::failure::Failure;
 use crate::report;
@@ -24,8 +24,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         None => Source::new("lang-examples/fuji.ghyll", EXAMPLE),
     };
     let checked = checked(source, arguments.program.json)?;
-    let (film, options) = Film::new(&checked, arguments)?;
-    let mut compiled = compiled_as(&checked, &arguments.program, &options)?;
+    let (film, mut options) = Film::new(&checked, arguments)?;
     let first = film.as_ref().map(|film| film.frames.start);
     let turn = |frame| film.as_ref().filter(|_| arguments.turntable).map(|film| film.turn(frame));
     let camera = &arguments.camera;
@@ -35,9 +34,22 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         }
         None => vec![scene::look(camera, None, None)?],
     };
-    let asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
+    let mut opened = None;
+    let mut tuned = None;
+    if let Some(limits) = tune::limits(arguments) {
+        let (machine, config) = opened.insert(machine::open(&arguments.machine)?);
+        let seat = (&*machine, &*config);
+        let chosen = tune::tune(&checked, &options, arguments, looks[0], seat, limits)?;
+        options = tuned.insert(chosen).measured.choice.apply(&options);
+    }
+    let mut compiled = compiled_as(&checked, &arguments.program, &options)?;
+    let mut asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
+    asked.field = tuned.as_mut().and_then(|tuned| tuned.field.take());
     let views = scene::Views::open(&asked, arguments, looks)?;
-    let (machine, mut config) = machine::open(&arguments.machine)?;
+    let (machine, mut config) = match opened {
+        Some(opened) => opened,
+        None => machine::open(&arguments.machine)?,
+    };
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
     machine::note_stand_in(&machine, &compiled)?;
 
@@ -54,7 +66,8 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         None => None,
     };
     let preset = arguments.preset.as_deref().and_then(Preset::named);
-    let samples = arguments.samples.or(preset.map(|preset| preset.samples)).unwrap_or(1);
+    let chosen = tuned.as_ref().map(|tuned| tuned.measured.choice.samples);
+    let samples = arguments.samples.or(chosen).or(preset.map(|preset| preset.samples)).unwrap_or(1);
     let mut views = Some(views);
     let mut renderer = Renderer::default();
     let mut last = None;
@@ -109,7 +122,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
             (Some(film), None) => film.frames.clone().map(|t| film.file(&arguments.output, t)).collect(),
             _ => vec![arguments.output.clone()],
         };
-        report::wrote(&files, size, seconds, &machine);
+        report::wrote(&files, size, seconds, &machine, tuned.map(|tuned| tuned.json()));
     }
     if let Some(stats) = last {
         report::stats(&arguments.machine, &machine, &stats);

@@ -171,6 +171,11 @@ impl Views {
         self.size
     }
 
+    /// The field, if the program looks at it.
+    pub fn field(&self) -> Option<&Arc<Terrain>> {
+        self.first.as_ref().map(Scene::terrain)
+    }
+
     /// The scene of the only frame, with nothing else kept of the field.
     pub fn only(self) -> Result<Option<Scene>, Failure> {
         self.scene(0)

@@ -1,20 +1,15 @@
 // Upper bound of every sampler over a box, in metres. What is missing counts as the field's lowest height, as it does to the
 // samplers.
+// A box within 2 x 2 cells is looked up like one of 4 x 4: a load costs more than what it would tell.
 fn highest(x0: f32, y0: f32, x1: f32, y1: f32) -> f32 {
     let box = terrain_box(x0, y0, x1, y1);
-    var raw: f32;
-    if box.level == 0u {
-        let row = terrain_scene.size.x;
-        let i = vec3<u32>(box.low.x, box.low.x + 1u, box.high.x + 1u);
-        let j = vec3<u32>(box.low.y, box.low.y + 1u, box.high.y + 1u) * row;
-        let south = max(max(terrain_sample(j.x + i.x), terrain_sample(j.x + i.y)), terrain_sample(j.x + i.z));
-        let middle = max(max(terrain_sample(j.y + i.x), terrain_sample(j.y + i.y)), terrain_sample(j.y + i.z));
-        let north = max(max(terrain_sample(j.z + i.x), terrain_sample(j.z + i.y)), terrain_sample(j.z + i.z));
-        raw = max(max(south, middle), north);
-    } else {
-        let row = terrain_scene.levels[box.level];
-        let a = box.low >> vec2<u32>(box.level);
-        let b = box.high >> vec2<u32>(box.level);
+    let level = min(max(box.level, 1u), terrain_scene.top);
+    // The relief of a field of one cell is that of its corners.
+    var raw = terrain_scene.raw_relief.y;
+    if level > 0u {
+        let row = terrain_scene.levels[level];
+        let a = box.low >> vec2<u32>(level);
+        let b = box.high >> vec2<u32>(level);
         let south = max(terrain_bound(row.x + a.y * row.y + a.x), terrain_bound(row.x + a.y * row.y + b.x));
         let north = max(terrain_bound(row.x + b.y * row.y + a.x), terrain_bound(row.x + b.y * row.y + b.x));
         raw = max(south, north);

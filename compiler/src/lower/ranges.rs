@@ -4,9 +4,11 @@ use super::call::Application;
 use super::value::Value;
 use super::words::shape;
 use super::{Env, Lower};
+use crate::core::walk::substitute;
 use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Stmt, Var};
 use crate::source::Span;
 use crate::typed::{Expr, RangeForm, RangeOp, Type};
+use rustc_hash::FxHashMap;
 
 impl<'m> Lower<'m> {
     pub(super) fn range(
@@ -156,10 +158,12 @@ impl<'m> Lower<'m> {
     }
 }
 
-/// A `fold` whose step leaves the accumulator alone once a truth value in it is false stands still from there on, so it ends.
+/// A `fold` whose step leaves the accumulator alone once a condition on it is false stands still from there on, so it ends.
 fn end_at_rest(cond: &mut Block, body: &mut Block, carried: &[Var], vars: &mut Vec<Scalar>) {
-    let [Stmt { dst, op: Op::If(Atom::Var(open), _, no) }, count] = body.stmts.as_slice() else { return };
-    if !carried.contains(open) || !no.stmts.is_empty() {
+    let [before @ .., Stmt { dst, op: Op::If(Atom::Var(open), _, no) }, _] = body.stmts.as_slice() else {
+        return;
+    };
+    if !no.stmts.is_empty() || !of_the_state(before, *open, carried) {
         return;
     }
     let place = |atom: &Atom| dst.iter().position(|v| Atom::Var(*v) == *atom);
@@ -170,19 +174,51 @@ fn end_at_rest(cond: &mut Block, body: &mut Block, carried: &[Var], vars: &mut V
     if !rests {
         return;
     }
-    let (open, count) = (*open, count.clone());
+    let test = fresh_copy(before, *open, vars);
     let places: Vec<Option<usize>> = body.results[1..].iter().map(place).collect();
-    let Some(Stmt { op: Op::If(_, yes, _), .. }) = body.stmts.drain(..).next() else { return };
+    let at = body.stmts.len() - 2;
+    let Op::If(_, yes, _) = body.stmts.remove(at).op else { return };
     for (next, at) in body.results[1..].iter_mut().zip(places) {
         if let Some(at) = at {
             *next = yes.results[at];
         }
     }
-    body.stmts = yes.stmts;
-    body.stmts.push(count);
+    body.stmts.splice(at..at, yes.stmts);
     vars.push(Scalar::Bool);
     let both = Var(vars.len() as u32 - 1);
-    let op = Op::Prim(Prim::And, Scalar::Bool, vec![cond.results[0], Atom::Var(open)]);
+    let op = Op::Prim(Prim::And, Scalar::Bool, vec![cond.results[0], test.results[0]]);
+    cond.stmts.extend(test.stmts);
     cond.stmts.push(Stmt { dst: vec![both], op });
     cond.results = vec![Atom::Var(both)];
+}
+
+/// Whether the statements are operations that make the condition of nothing that changes but the accumulator's words.
+fn of_the_state(stmts: &[Stmt], condition: Var, carried: &[Var]) -> bool {
+    let mut known = carried.to_vec();
+    for stmt in stmts {
+        let Op::Prim(_, _, args) = &stmt.op else { return false };
+        let is_known = |atom: &Atom| match atom {
+            Atom::Var(v) => known.contains(v),
+            Atom::Const(_) => true,
+        };
+        if !args.iter().all(is_known) {
+            return false;
+        }
+        known.extend(&stmt.dst);
+    }
+    known.contains(&condition)
+}
+
+/// The statements with destinations of their own, and what they make of the condition.
+fn fresh_copy(stmts: &[Stmt], condition: Var, vars: &mut Vec<Scalar>) -> Block {
+    let mut copy = Block { stmts: stmts.to_vec(), results: vec![Atom::Var(condition)] };
+    let mut names = FxHashMap::default();
+    for dst in copy.stmts.iter_mut().flat_map(|stmt| &mut stmt.dst) {
+        vars.push(vars[dst.0 as usize]);
+        let fresh = Var(vars.len() as u32 - 1);
+        names.insert(*dst, Atom::Var(fresh));
+        *dst = fresh;
+    }
+    substitute(&mut copy, &|v| names.get(&v).copied());
+    copy
 }

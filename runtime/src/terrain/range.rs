@@ -26,24 +26,19 @@ fn touched(scene: &SceneUniform, ends: &[f32; 4]) -> Touched {
     Touched { low, high, level }
 }
 
-fn range<H: Heights>(
+/// A box within 2 x 2 cells is looked up like one of 4 x 4: a load costs more than what it would tell. The relief of a field of
+/// one cell is that of its corners.
+fn range(
     scene: &SceneUniform,
-    heights: &H,
     ends: &[f32; 4],
+    relief: f32,
     node: impl Fn(usize) -> f32,
     outer: impl Fn(f32, f32) -> f32,
 ) -> f32 {
     let Touched { low, high, level } = touched(scene, ends);
+    let level = level.max(1).min(scene.top);
     let raw = if level == 0 {
-        let row = scene.size[0] as usize;
-        let columns = [low[0], low[0] + 1, high[0] + 1].map(|i| i as usize);
-        let rows = [low[1], low[1] + 1, high[1] + 1].map(|j| j as usize * row);
-        let across = |start: usize| {
-            let [a, b, c] = columns.map(|i| heights.sample(start + i));
-            outer(outer(a, b), c)
-        };
-        let [south, middle, north] = rows.map(across);
-        outer(outer(south, middle), north)
+        relief
     } else {
         let [offset, width, _, _] = scene.levels[level as usize];
         let at = |i: u32, j: u32| node((offset + (j >> level) * width + (i >> level)) as usize);
@@ -55,11 +50,11 @@ fn range<H: Heights>(
 }
 
 pub(super) fn highest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> f32 {
-    range(scene, heights, ends, |i| heights.bound(i), f32::max)
+    range(scene, ends, scene.raw_relief[1], |i| heights.bound(i), f32::max)
 }
 
 pub(super) fn lowest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> f32 {
-    range(scene, heights, ends, |i| heights.floor(i), f32::min)
+    range(scene, ends, scene.raw_relief[0], |i| heights.floor(i), f32::min)
 }
 
 /// Steps from the first to the last cell of a box whose samples are looked at one by one.

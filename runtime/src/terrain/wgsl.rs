@@ -90,8 +90,8 @@ const PIECES: &[Piece] = pieces! {
     "trace_bilinear" "trace" ["walk_bilinear"];
     "occluded_triangulated" "occluded" ["walk_triangulated"];
     "occluded_bilinear" "occluded" ["walk_bilinear"];
-    "highest" "highest" ["box" "sample" "bound"];
-    "lowest" "lowest" ["box" "sample" "floor"];
+    "highest" "highest" ["box" "bound"];
+    "lowest" "lowest" ["box" "floor"];
     "inclines" "inclines" ["box" "sample"];
     "hole" "hole" ["box" "corners"];
     "camera" "camera" ["scene"];

@@ -11,11 +11,6 @@ struct TerrainNeighbours {
     v: f32,
 }
 
-fn terrain_row(j: u32, i: vec4<u32>) -> vec4<f32> {
-    let at = i + vec4<u32>(j * terrain_scene.size.x);
-    return vec4<f32>(terrain_sample(at.x), terrain_sample(at.y), terrain_sample(at.z), terrain_sample(at.w));
-}
-
 fn terrain_repaired(row: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(
         select(row.x, row.y, row.x == TERRAIN_VOID), row.yz, select(row.w, row.z, row.w == TERRAIN_VOID),
@@ -28,15 +23,14 @@ fn terrain_neighbours(x: f32, y: f32) -> TerrainNeighbours {
     let gy = min(max(y * terrain_scene.inverse_spacing.y, 0.0), f32(cells.y));
     let i = min(u32(gx), cells.x - 1u);
     let j = min(u32(gy), cells.y - 1u);
-    let columns = vec4<u32>(max(i, 1u) - 1u, i, i + 1u, min(i + 2u, cells.x));
-    let b = terrain_row(j, columns);
-    let c = terrain_row(j + 1u, columns);
+    let b = terrain_row(j, i);
+    let c = terrain_row(j + 1u, i);
     if min(min(b.y, b.z), min(c.y, c.z)) == TERRAIN_VOID {
         let none = vec4<f32>(0.0);
         return TerrainNeighbours(none, none, none, none, terrain_scene.raw_relief.x, 0.0, 0.0);
     }
-    let below = terrain_row(max(j, 1u) - 1u, columns);
-    let above = terrain_row(min(j + 2u, cells.y), columns);
+    let below = terrain_row(max(j, 1u) - 1u, i);
+    let above = terrain_row(min(j + 2u, cells.y), i);
     let hole = vec4<f32>(TERRAIN_VOID);
     let a = terrain_repaired(select(below, b, below == hole));
     let d = terrain_repaired(select(above, c, above == hole));

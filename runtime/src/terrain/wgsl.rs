@@ -75,7 +75,9 @@ const PIECES: &[Piece] = pieces! {
     "mean.i16" "means_i16" [];
     "mean.f32" "means_f32" [];
     "means" "means" ["scene" "sample" "mean"];
-    "neighbours" "neighbours" ["scene" "sample"];
+    "row.i16" "row_i16" ["scene" "sample"];
+    "row.f32" "row_f32" ["scene" "sample"];
+    "neighbours" "neighbours" ["scene" "row"];
     "fine" "fine" ["neighbours"];
     "bicubic" "bicubic" ["neighbours"];
     "gradient_bicubic" "gradient_bicubic" ["neighbours" "slope"];

@@ -184,6 +184,15 @@ fn largest(function: &Function, found: &[[f32; 4]], real: &[[f64; 4]]) -> Larges
     largest
 }
 
+/// Whether two machines have the same arguments and value to the bit. WGSL leaves open whether a number below the normal ones counts
+/// as zero, and which of two zeros `min` and `max` give.
+fn same(a: &[f32; 4], b: &[f32; 4]) -> bool {
+    let arguments = (0..3).all(|k| a[k].to_bits() == b[k].to_bits());
+    let open = a[..3].iter().any(|x| x.is_subnormal());
+    let value = a[3].to_bits() == b[3].to_bits() || (a[3] == 0.0 && b[3] == 0.0);
+    arguments && (open || value)
+}
+
 pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure> {
     let machines = machines(arguments.on, gpu)?;
     let size = arguments.size.map_or((256, 256), |[width, height]| (width, height));
@@ -213,8 +222,7 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
             answers.push(found);
         }
         if let [a, b] = &answers[..] {
-            let same = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).all(|k| a[k].to_bits() == b[k].to_bits());
-            let differ = a.iter().zip(b).filter(|pair| !same(*pair)).count();
+            let differ = a.iter().zip(b).filter(|(a, b)| !same(a, b)).count();
             rows.push(json!({
                 "name": format!("{}: values that differ between cpu and gpu", function.name),
                 "figure": differ,
@@ -332,6 +340,22 @@ mod tests {
             assert!(function.allowed.is_none() || found.share <= 1.0, "{}: {found:?}", function.name);
             assert!(found.values > 1000, "{}: {found:?}", function.name);
         }
+    }
+
+    #[test]
+    fn a_planted_difference_of_machines_is_found() {
+        let a = [1.0, -2.0, 0.0, 0.5];
+        let other = |at: usize, value: f32| {
+            let mut b = a;
+            b[at] = value;
+            b
+        };
+        assert!(same(&a, &a));
+        assert!(!same(&a, &other(3, 0.5f32.next_up())) && !same(&a, &other(0, 1.0f32.next_up())));
+        assert!(!same(&a, &other(2, -0.0)) && !same(&other(3, 0.0), &other(3, 1e-40)));
+        assert!(same(&other(3, 0.0), &other(3, -0.0)));
+        let tiny = |value: f32| [1e-40, 1.0, 0.0, value];
+        assert!(same(&tiny(1e-40), &tiny(0.0)));
     }
 
     #[test]

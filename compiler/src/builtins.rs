@@ -179,6 +179,8 @@ builtins! {
     Hole "__hole" Library Fixed("fn(vec2) -> bool");
     // (origin, direction, near, far) of the primary ray through a pixel.
     Camera "__camera" Library Fixed("fn(vec2) -> (vec3, vec3, f32, f32)");
+    // Distance at which the ray through a pixel may start.
+    BeamStart "__beam_start" Library Fixed("fn(vec2) -> f32");
     // A pixel's width at distance t is x + y * t.
     PixelWidth "__pixel_width" Library Fixed("fn() -> vec2");
     // Width and height of the picture in pixels.

@@ -77,6 +77,8 @@ intrinsics! {
     Hole "hole" (F32, F32) -> (Bool) 20;
     // Primary ray through pixel position (x, y): (origin, direction, near, far).
     Camera "camera" (F32, F32) -> (F32, F32, F32, F32, F32, F32, F32, F32) 40;
+    // Where the ray through a pixel position may start, by its tile's beam.
+    BeamStart "beam_start" (F32, F32) -> (F32) 12;
     // A pixel's width at distance t is r0 + r1 * t.
     PixelWidth "pixel_width" () -> (F32, F32) 1;
     // Width and height of the picture in pixels.

@@ -37,7 +37,7 @@ fn own_inputs(bake: &Bake, uniform: &SceneUniform, live: &[u32]) -> Inputs {
     if uses(&[Intrinsic::SunDir, Intrinsic::SunColor]) {
         inputs.extend(uniform.sun_dir.iter().chain(&uniform.sun_color).map(|x| x.to_bits()));
     }
-    if uses(&[Intrinsic::Camera, Intrinsic::PixelWidth, Intrinsic::Picture]) {
+    if uses(&[Intrinsic::Camera, Intrinsic::BeamStart, Intrinsic::PixelWidth, Intrinsic::Picture]) {
         inputs.extend(bytemuck::cast_slice::<_, u32>(std::slice::from_ref(uniform)));
     }
     if bake.back.wgsl.uses_live {

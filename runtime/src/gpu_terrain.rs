@@ -7,6 +7,7 @@ mod proof;
 pub(crate) use proof::first_inexact;
 
 use crate::gpu::Gpu;
+use crate::terrain::beams::TILE;
 use crate::terrain::layout::SceneUniform;
 use crate::terrain::pyramid::{Level, Side, levels};
 use crate::terrain::raster::Texels;
@@ -54,6 +55,7 @@ pub struct GpuTerrain {
     floors: Option<wgpu::Buffer>,
     micro: Option<wgpu::Buffer>,
     means: Option<wgpu::Buffer>,
+    beams: Option<wgpu::Buffer>,
 }
 
 impl GpuTerrain {
@@ -94,6 +96,15 @@ impl GpuTerrain {
             fits("the field's means", "cut or reduce the field", 4 * words.len() as u64)?;
             means = Some(read_only("terrain means", words));
         }
+        let mut beams = None;
+        if uses.beams {
+            let starts = &scene.beams().starts;
+            beams = Some(device.create_buffer_init(&BufferInitDescriptor {
+                label: Some("terrain beams"),
+                contents: bytemuck::cast_slice(starts),
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            }));
+        }
         if uses.samples || uses.bounds || uses.floors {
             fits("the field's samples", "cut or reduce the field", 4 * scene.sample_word_count())?;
             let buffer = read_only("terrain samples", &scene.sample_words());
@@ -113,7 +124,8 @@ impl GpuTerrain {
             }));
         }
         let field = Arc::downgrade(scene.terrain());
-        let terrain = GpuTerrain { field, scene: record, samples, bounds, rasters, floors, micro, means };
+        let terrain =
+            GpuTerrain { field, scene: record, samples, bounds, rasters, floors, micro, means, beams };
         if let Some(rasters) = &terrain.rasters {
             queue.write_buffer(rasters, 0, bytemuck::cast_slice(&scene.layers().records()));
             for (slot, layer) in scene.layers().iter() {
@@ -123,9 +135,12 @@ impl GpuTerrain {
         Ok(terrain)
     }
 
-    /// Whether it is this field that the buffers hold.
+    /// Whether it is this field that the buffers hold, and as many beams as the scene has.
     pub fn serves(&self, scene: &Scene) -> bool {
-        std::ptr::eq(self.field.as_ptr(), Arc::as_ptr(scene.terrain()))
+        let size = scene.options().size;
+        let tiles = u64::from(size.0.div_ceil(TILE)) * u64::from(size.1.div_ceil(TILE));
+        let same_tiles = self.beams.as_ref().is_none_or(|beams| beams.size() == 4 * tiles);
+        same_tiles && std::ptr::eq(self.field.as_ptr(), Arc::as_ptr(scene.terrain()))
     }
 
     /// Takes another camera, sun or exaggeration of the same field; false if it is another field.
@@ -133,6 +148,9 @@ impl GpuTerrain {
         let same = self.serves(scene);
         if same {
             queue.write_buffer(&self.scene, 0, bytemuck::bytes_of(scene.uniform()));
+            if let Some(beams) = &self.beams {
+                queue.write_buffer(beams, 0, bytemuck::cast_slice(&scene.beams().starts));
+            }
         }
         same
     }
@@ -145,11 +163,11 @@ impl GpuTerrain {
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Bytes on the device: scene record, samples, bounds of both sides, rasters, means and the micro-heightfield.
+    /// Bytes on the device: scene record, samples, bounds of both sides, rasters, means, the micro-heightfield and beams together.
     pub fn bytes(&self) -> [u64; 5] {
         let size = |buffer: &Option<wgpu::Buffer>| buffer.as_ref().map_or(0, wgpu::Buffer::size);
         let bounds = size(&self.bounds) + size(&self.floors);
-        let further = size(&self.means) + size(&self.micro);
+        let further = size(&self.means) + size(&self.micro) + size(&self.beams);
         [self.scene.size(), size(&self.samples), bounds, size(&self.rasters), further]
     }
 
@@ -179,7 +197,8 @@ impl GpuTerrain {
 
     /// Every buffer with its binding.
     fn buffers(&self) -> Vec<(u32, &wgpu::Buffer)> {
-        let read = [&self.samples, &self.bounds, &self.rasters, &self.floors, &self.micro, &self.means];
+        let GpuTerrain { samples, bounds, rasters, floors, micro, means, beams, .. } = self;
+        let read = [samples, bounds, rasters, floors, micro, means, beams];
         let read = read.map(Option::as_ref);
         let all = std::iter::once(Some(&self.scene)).chain(read);
         (0..).zip(all).filter_map(|(binding, buffer)| Some((binding, buffer?))).collect()

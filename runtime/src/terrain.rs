@@ -4,6 +4,7 @@
 //! A sample is stored as a raw number; its height is `raw * scale + offset`. Integer data stays 16 bits wide, and
 //! rays are carried into raw units instead of heights out of them.
 
+pub mod beams;
 mod bicubic;
 pub mod dem;
 mod exact;
@@ -22,6 +23,7 @@ mod range;
 pub mod raster;
 mod ray;
 pub mod scene;
+pub mod steps;
 pub mod sun;
 mod surface;
 #[cfg(test)]

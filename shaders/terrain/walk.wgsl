@@ -12,8 +12,17 @@ fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
     let ahead = select(vec2<i32>(0), vec2<i32>(1), ray.d.xy >= vec2<f32>(0.0));
     let onward = 2 * ahead - vec2<i32>(1);
     let top = terrain_scene.top;
-    var level = top;
-    var node = vec2<i32>(0);
+    // Rays meet something near where they begin more often than not, so they begin low, unless rounding has put their
+    // beginning outside of the planes of its own node, or on the one that it leaves by.
+    let first = min(2u, top);
+    var level = first;
+    var node = ray.cell >> vec2<u32>(first);
+    let entry = terrain_planes(ray, (node + vec2<i32>(1) - ahead) << vec2<u32>(first));
+    let leave = terrain_planes(ray, (node + ahead) << vec2<u32>(first));
+    if any(entry > vec2<f32>(ray.begin)) || any(vec2<f32>(ray.begin) >= leave) {
+        level = top;
+        node = vec2<i32>(0);
+    }
     var fuel = terrain_scene.fuel;
     var gone = false;
     var t = TERRAIN_NEVER;

@@ -28,7 +28,7 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
         Hole | MicroRow | Means => Jacobian::Flat,
         Highest | Lowest | Inclines | BendBicubic => Jacobian::Unknown,
-        TraceTriangulated | TraceBilinear | Camera | Place => Jacobian::Unknown,
+        TraceTriangulated | TraceBilinear | Camera | BeamStart | Place => Jacobian::Unknown,
         // Of a raster or a baked function.
         Raster1 => Jacobian::Given(GradientRaster1),
         Raster2 => Jacobian::Given(GradientRaster2),

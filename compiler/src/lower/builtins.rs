@@ -486,6 +486,7 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::SunDir => Intrinsic::SunDir,
         Builtin::SunColor => Intrinsic::SunColor,
         Builtin::Camera => Intrinsic::Camera,
+        Builtin::BeamStart => Intrinsic::BeamStart,
         Builtin::PixelWidth => Intrinsic::PixelWidth,
         Builtin::Picture => Intrinsic::Picture,
         Builtin::Hole => Intrinsic::Hole,

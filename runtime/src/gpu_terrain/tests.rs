@@ -42,6 +42,7 @@ const PYRAMID: Uses = Uses {
     floors: true,
     micro: false,
     means: false,
+    beams: false,
 };
 
 fn scene(terrain: Terrain) -> Scene {
@@ -79,9 +80,11 @@ fn only_what_is_used_is_uploaded() {
         floors: true,
         micro: true,
         means: true,
+        beams: true,
     });
     assert_eq!((all[1], all[3]), (9 * 9 * 4, 4 * scene.layers().size()));
-    assert!(all[2] > 0 && all[4] == 4 * (2 + 256 * 128) + 4 * scene.mean_words().len() as u64);
+    let (means, tiles) = (scene.mean_words().len() as u64, 128 * 128);
+    assert!(all[2] > 0 && all[4] == 4 * (2 + 256 * 128) + 4 * means + 4 * tiles);
 }
 
 fn random_field(width: u32, height: u32) -> Terrain {

@@ -33,6 +33,11 @@ impl Format {
         let found = ENDINGS.iter().find(|(e, _)| *e == ending);
         found.map(|(_, format)| *format).ok_or_else(|| ImageError::UnknownEnding { file: file.to_owned() })
     }
+
+    /// Whether components are kept as they are.
+    pub fn holds_floats(self) -> bool {
+        matches!(self, Format::Exr | Format::Tiff | Format::Npy)
+    }
 }
 
 /// The file's bytes.

@@ -21,6 +21,7 @@ const PLAIN: &[(Builtin, Intrinsic)] = &[
     (Builtin::SunDir, Intrinsic::SunDir),
     (Builtin::SunColor, Intrinsic::SunColor),
     (Builtin::Camera, Intrinsic::Camera),
+    (Builtin::BeamStart, Intrinsic::BeamStart),
     (Builtin::PixelWidth, Intrinsic::PixelWidth),
     (Builtin::Picture, Intrinsic::Picture),
     (Builtin::MicroRow, Intrinsic::MicroRow),

@@ -58,6 +58,9 @@ impl Scene {
                 let words = self.mean_words();
                 return floats(out, &means::means(scene, &heights, words, false, [0, 1, 2].map(arg)));
             }
+            (Intrinsic::BeamStart, _) => {
+                return floats(out, &[self.beams().start(arg(0), arg(1), scene.near)]);
+            }
             _ => {}
         }
         let floors = (intrinsic == Intrinsic::Lowest).then(|| &self.floors().bounds);
@@ -72,6 +75,23 @@ impl Scene {
             }
             _ => unreachable!("a pyramid has the format of its samples"),
         }
+    }
+
+    /// Nodes and cells that a ray is tested against on the bilinear surface, and where it meets it.
+    pub(super) fn metered(&self, ray: &[f32; 8]) -> (u64, Option<f32>) {
+        let (scene, ray, mut steps) = (self.uniform(), world_ray(ray), 0u64);
+        let found = match (&self.terrain().samples, &self.pyramid().bounds) {
+            (Samples::I16(samples), Bounds::I16(bounds)) => {
+                let heights = Heights16 { samples, bounds, floors: &[] };
+                walk::metered::<_, Bilinear, _>(scene, &heights, &ray, &mut steps)
+            }
+            (Samples::F32(samples), Bounds::F32(bounds)) => {
+                let heights = Heights32 { samples, bounds, floors: &[] };
+                walk::metered::<_, Bilinear, _>(scene, &heights, &ray, &mut steps)
+            }
+            _ => unreachable!("a pyramid has the format of its samples"),
+        };
+        (steps, found)
     }
 
     /// Evaluates one intrinsic in double precision, brute and independent of the walk. Booleans are 0 or 1.
@@ -140,6 +160,8 @@ impl Scene {
                 let (near, far) = (f64::from(uniform.near), f64::from(uniform.far));
                 give(out, &[o.x, o.y, o.z, d.x, d.y, d.z, near, far]);
             }
+            // The oracle's rays all start at the camera: what beams leave out is seen.
+            Intrinsic::BeamStart => give(out, &[f64::from(uniform.near)]),
             Intrinsic::PixelWidth => give(out, &self.camera().pixel_width()),
             Intrinsic::Picture => give(out, &self.camera().middle.map(|x| 2.0 * x)),
             Intrinsic::SunDir => give(out, &self.options().sun.dir()),
@@ -254,7 +276,7 @@ fn circle(turn: f32) -> [f32; 2] {
 }
 
 /// Twin of `shaders/terrain/camera.wgsl`.
-fn camera(scene: &SceneUniform, x: f32, y: f32) -> [f32; 8] {
+pub(super) fn camera(scene: &SceneUniform, x: f32, y: f32) -> [f32; 8] {
     let (i, j) = (x - scene.middle[0], y - scene.middle[1]);
     let offset = [0, 1, 2].map(|a| i * scene.across[a] + j * scene.down[a]);
     if scene.projection == Projection::Panorama as u32 {

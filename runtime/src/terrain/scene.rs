@@ -1,5 +1,6 @@
 //! What a program sees of the world: one field, its pyramid, a camera and the sun.
 
+use super::beams::Beams;
 use super::field::{Samples, Terrain};
 use super::layers::Layers;
 use super::layout::SceneUniform;
@@ -55,6 +56,8 @@ pub struct Scene {
     camera: Camera,
     uniform: SceneUniform,
     layers: Arc<Layers>,
+    /// Of this camera, when a program asks for them.
+    beams: Arc<OnceLock<Beams>>,
 }
 
 /// What is made of the samples when it is first asked for: a program on the GPU asks for none of it on the host.
@@ -80,13 +83,14 @@ impl Scene {
             camera,
             uniform,
             layers: Arc::default(),
+            beams: Arc::default(),
         })
     }
 
     /// The same field seen otherwise; what was made of it is shared.
     pub fn with_options(&self, options: &SceneOptions) -> Result<Scene, SceneError> {
         let (camera, uniform) = seen(&self.terrain, options)?;
-        Ok(Scene { options: *options, camera, uniform, ..self.clone() })
+        Ok(Scene { options: *options, camera, uniform, beams: Arc::default(), ..self.clone() })
     }
 
     /// The same scene with these data layers.
@@ -101,6 +105,11 @@ impl Scene {
     /// The maximum mipmap.
     pub fn pyramid(&self) -> &Pyramid {
         self.derived.above.get_or_init(|| Pyramid::new(&self.terrain, Side::Above))
+    }
+
+    /// Where the rays of the picture's tiles may start.
+    pub fn beams(&self) -> &Beams {
+        self.beams.get_or_init(|| Beams::new(self))
     }
 
     /// The minimum mipmap.

@@ -70,20 +70,55 @@ impl Heights for Heights32<'_> {
     }
 }
 
+/// Told of every node and cell that a ray is tested against.
+pub(super) trait Meter {
+    fn count(&mut self);
+}
+
+impl Meter for () {
+    #[inline]
+    fn count(&mut self) {}
+}
+
+impl Meter for u64 {
+    #[inline]
+    fn count(&mut self) {
+        *self += 1;
+    }
+}
+
 /// Distance along the ray of the first surface point, if any.
 pub(super) fn trace<H: Heights, P: Patch>(
     scene: &SceneUniform,
     heights: &H,
     ray: &WorldRay<f32>,
 ) -> Option<f32> {
+    metered::<H, P, ()>(scene, heights, ray, &mut ())
+}
+
+/// The same, counted.
+pub(super) fn metered<H: Heights, P: Patch, M: Meter>(
+    scene: &SceneUniform,
+    heights: &H,
+    ray: &WorldRay<f32>,
+    meter: &mut M,
+) -> Option<f32> {
     let grid = enter(scene, ray)?;
-    let t = walk::<H, P>(scene, heights, grid)?;
+    let t = walk::<H, P, M>(scene, heights, grid, meter)?;
     Some(t.clamp(ray.near, ray.far))
 }
 
+/// The level of the node that a walk begins with.
+const FIRST: u32 = 2;
+
 /// Three loops: bases of the ray, cells that may be hit, nodes over them. A SIMD machine without branches pays for what a
 /// loop holds in every turn of it, so what is dear stands in the loop that turns least.
-fn walk<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, ray: GridRay) -> Option<f32> {
+fn walk<H: Heights, P: Patch, M: Meter>(
+    scene: &SceneUniform,
+    heights: &H,
+    ray: GridRay,
+    meter: &mut M,
+) -> Option<f32> {
     let mut ray = ray;
     let cells = [scene.size[0] as i32 - 1, scene.size[1] as i32 - 1];
     // 1 where the ray leaves a node through its upper plane.
@@ -93,8 +128,16 @@ fn walk<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, ray: GridRay) -
     let leave = |ray: &GridRay, node: [i32; 2], level: u32| {
         planes(ray, (node[0] + ahead[0]) << level, (node[1] + ahead[1]) << level)
     };
-    let mut level = scene.top;
-    let mut node = [0i32; 2];
+    // Rays meet something near where they begin more often than not, so they begin low, unless rounding has put their
+    // beginning outside of the planes of its own node, or on the one that it leaves by.
+    let first = FIRST.min(scene.top);
+    let mut level = first;
+    let mut node = ray.cell.map(|cell| cell >> first);
+    let entry = planes(&ray, (node[0] + 1 - ahead[0]) << first, (node[1] + 1 - ahead[1]) << first);
+    let exit = leave(&ray, node, first);
+    if (0..2).any(|axis| entry[axis] > ray.from || ray.from >= exit[axis]) {
+        (level, node) = (scene.top, [0; 2]);
+    }
     let mut fuel = scene.fuel;
     let mut gone = false;
     loop {
@@ -105,6 +148,7 @@ fn walk<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, ray: GridRay) -
         let mut ended = false;
         loop {
             while level > 0 && !(gone || ended) {
+                meter.count();
                 let z_out = ray.low + out * ray.d[2];
                 let [offset, width, _, _] = scene.levels[level as usize];
                 let bound = heights.bound((offset + node[1] as u32 * width + node[0] as u32) as usize);
@@ -142,6 +186,7 @@ fn walk<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, ray: GridRay) -
             if gone || ended {
                 break;
             }
+            meter.count();
             let z_out = ray.low + out * ray.d[2];
             let found = cell::<H, P>(scene, heights, &ray, node, (s, out), (z, z_out));
             if found.is_some() {

@@ -97,6 +97,7 @@ const PIECES: &[Piece] = pieces! {
     "inclines" "inclines" ["box" "sample"];
     "hole" "hole" ["box" "corners"];
     "camera" "camera" ["scene"];
+    "beam_start" "beam_start" ["scene"];
     "pixel_width" "pixel_width" ["scene"];
     "picture" "picture" ["scene"];
     "sun_dir" "sun_dir" ["scene"];
@@ -150,6 +151,8 @@ pub struct Uses {
     pub micro: bool,
     /// Binding 6, read-only storage: [`super::Scene::mean_words`].
     pub means: bool,
+    /// Binding 7, read-only storage: the starts of [`super::Scene::beams`].
+    pub beams: bool,
 }
 
 /// Declarations of the given intrinsics and of all that they need, each once.
@@ -169,6 +172,7 @@ pub fn wgsl(intrinsics: &[Intrinsic], format: Format) -> Module {
         floors: uses("floors"),
         micro: uses("micro_row"),
         means: uses("means"),
+        beams: uses("beam_start"),
     };
     Module { uses, text }
 }
@@ -262,7 +266,8 @@ mod tests {
                     rasters: true,
                     floors: true,
                     micro: true,
-                    means: true
+                    means: true,
+                    beams: true
                 }
             );
             assert!(!module.text.contains("SURFACE"));

@@ -1,6 +1,7 @@
 //! The command line from outside: what is printed, what is written, how it ends.
 
 mod bakes;
+mod beams;
 mod bench;
 mod build;
 mod explain;

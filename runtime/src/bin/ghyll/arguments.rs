@@ -243,6 +243,7 @@ pub struct Camera {
 #[derive(Args)]
 pub struct Render {
     /// Program; the built-in example if absent.
+    #[arg(conflicts_with = "show")]
     pub file: Option<PathBuf>,
     #[command(flatten)]
     pub program: Program,
@@ -268,6 +269,9 @@ pub struct Render {
     pub preset: Option<String>,
     #[command(flatten)]
     pub tuning: Tuning,
+    /// No program's picture, but what the beam pre-pass gives: where the rays of each tile may start.
+    #[arg(long, value_name = "WHAT", value_parser = ["beams"], conflicts_with_all = ["preset", "frame_ms", "min_psnr", "tune", "entry"])]
+    pub show: Option<String>,
     /// Frames A to B - 1 of a film; `t` is a frame's number in --set, --eye, --look-at, --fov, --sun and in a parameter `t`.
     #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
     pub frames: Option<[i64; 2]>,

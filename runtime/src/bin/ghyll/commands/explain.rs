@@ -1,6 +1,7 @@
 //! `ghyll explain`: what has become of a program and what it costs.
 
 mod resources;
+mod steps;
 
 use super::{checked, compiled, read, scene};
 use crate::arguments::Explain;
@@ -9,19 +10,23 @@ use crate::report::line;
 use ghyll_compiler::account::{Account, Cost, Fate, ParamFate, Part, account};
 use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
+use ghyll_compiler::intrinsics::Intrinsic;
 use ghyll_runtime::machine::Job;
+use ghyll_runtime::terrain::steps::Steps;
 use resources::{Resource, resources};
 use serde_json::{Value, json};
+use std::sync::Arc;
 
 pub fn explain(arguments: &Explain) -> Result<(), Failure> {
     let checked = checked(read(&arguments.file)?, arguments.program.json)?;
     let compiled = compiled(&checked, &arguments.program, None)?;
-    let terrain = scene::open(arguments.dem.as_deref(), &arguments.reading)?;
+    let terrain = Arc::new(scene::open(arguments.dem.as_deref(), &arguments.reading)?);
     let explained = Explained {
         checked: &checked,
         compiled: &compiled,
         account: account(&checked, &compiled),
         resources: resources(&checked, &compiled, &terrain),
+        steps: steps::steps(&compiled, &terrain)?,
     };
     match arguments.program.json {
         true => line!("{}", explained.json()?),
@@ -35,6 +40,8 @@ struct Explained<'a> {
     compiled: &'a Compiled,
     account: Account,
     resources: Vec<Resource>,
+    /// Of primary rays over the field.
+    steps: Option<Steps>,
 }
 
 /// Every kind of function that is told, with what is said about it.
@@ -104,6 +111,10 @@ impl Explained<'_> {
             }
             part_text(&mut out, part);
         }
+        if let Some(steps) = &self.steps {
+            out.title("Primary rays");
+            steps::text(steps, self.starts_by_beams()).iter().for_each(|line| out.item(line));
+        }
         if !self.resources.is_empty() {
             out.title("Memory on the device, without stream and picture");
             for resource in &self.resources {
@@ -111,6 +122,10 @@ impl Explained<'_> {
             }
         }
         Ok(out.0)
+    }
+
+    fn starts_by_beams(&self) -> bool {
+        self.compiled.back.wgsl.intrinsics.contains(&Intrinsic::BeamStart)
     }
 
     fn parameters(&self, out: &mut Text) {
@@ -154,6 +169,7 @@ impl Explained<'_> {
             "params": params,
             "with_all_params_live": unknown,
             "programs": account.parts.iter().map(part_json).collect::<Vec<_>>(),
+            "primary_rays": self.steps.as_ref().map(|steps| steps::json(steps, self.starts_by_beams())),
             "resources": self.resources.iter().map(Resource::json).collect::<Vec<_>>(),
         }))
     }

@@ -12,6 +12,9 @@ use ghyll_runtime::presets::Preset;
 use ghyll_runtime::renderer::Renderer;
 use std::time::Instant;
 
+/// What `--show beams` draws.
+const BEAMS: &str = include_str!("beams.ghyll");
+
 /// What `ghyll render` shows without a file.
 const EXAMPLE: &str = include_str!("../../../../../lang-examples/fuji.ghyll");
 
@@ -20,11 +23,16 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     writable(&arguments.output, film_format.is_some())?;
 
     let source = match &arguments.file {
+        _ if arguments.show.is_some() => Source::new("beams.ghyll", BEAMS),
         Some(path) => read(path)?,
         None => Source::new("lang-examples/fuji.ghyll", EXAMPLE),
     };
     let checked = checked(source, arguments.program.json)?;
     let (film, mut options) = Film::new(&checked, arguments)?;
+    let floats = image::Format::of(&arguments.output).is_ok_and(|format| format.holds_floats());
+    if arguments.show.is_some() && floats {
+        options.set.push(("metres".into(), "true".into()));
+    }
     let first = film.as_ref().map(|film| film.frames.start);
     let turn = |frame| film.as_ref().filter(|_| arguments.turntable).map(|film| film.turn(frame));
     let camera = &arguments.camera;

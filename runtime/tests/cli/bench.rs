@@ -73,8 +73,8 @@ fn table1_has_net_times_and_ratios() {
     assert_eq!((n(basic, "paper_ms"), n(basic, "paper_net_ms").round()), (99.6, 35.0));
     // What is traced exactly has no error worth it, the search has.
     for geometry in ["basic", "detail"] {
-        let traced = of(&format!("Fuji, {geometry}, dynamic, trace, cpu"));
-        let searched = of(&format!("Fuji, {geometry}, dynamic, search(128, 8), cpu"));
+        let traced = of(&format!("Fuji, {geometry}, static, trace, cpu"));
+        let searched = of(&format!("Fuji, {geometry}, static, search(128, 8), cpu"));
         assert!(n(traced, "error_footprints") < 0.1, "{traced}");
         assert!(n(searched, "error_footprints") > 10.0 * n(traced, "error_footprints"), "{searched}");
     }

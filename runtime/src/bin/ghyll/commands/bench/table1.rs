@@ -25,17 +25,28 @@ struct Way {
     depth: Option<u32>,
     /// Else on the built-in field alone.
     everywhere: bool,
+    /// With both kinds of light, else with the static one alone.
+    both_lights: bool,
 }
 
+const TRACE: Way = Way {
+    name: "trace",
+    exact: true,
+    rewriter: Rewriter::Auto,
+    depth: None,
+    everywhere: true,
+    both_lights: true,
+};
+
 const WAYS: &[Way] = &[
-    Way { name: "trace", exact: true, rewriter: Rewriter::Auto, depth: None, everywhere: true },
-    Way { name: "search(128, 8)", exact: false, rewriter: Rewriter::Auto, depth: None, everywhere: true },
+    TRACE,
+    Way { name: "search(128, 8)", exact: false, both_lights: false, ..TRACE },
     Way {
         name: "trace, paper's rewriter",
-        exact: true,
         rewriter: Rewriter::Block,
         depth: Some(1),
         everywhere: false,
+        ..TRACE
     },
 ];
 
@@ -161,7 +172,7 @@ fn ratios(cells: &[Cell]) -> Vec<Ratio> {
 }
 
 pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure> {
-    let size = arguments.size.map_or((256, 256), |[width, height]| (width, height));
+    let size = arguments.size.map_or((128, 128), |[width, height]| (width, height));
     let mut cells = Vec::new();
     for (machine, backend) in &machines(arguments.on, gpu)? {
         for (terrain, site) in sites::paper()?.iter().enumerate() {
@@ -170,6 +181,7 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
             let wanted: Vec<(Way, Form)> = ways
                 .flat_map(|way| CONFIGURATIONS.map(|(detail, dynamic)| (*way, detail, dynamic)))
                 .map(|(way, detail, dynamic)| (way, Form { detail, dynamic, exact: way.exact, work: true }))
+                .filter(|(way, form)| way.both_lights || !form.dynamic)
                 .filter(|(way, form)| {
                     let name = name(&site.name, *form, *way, backend);
                     arguments.only.as_deref().is_none_or(|part| name.contains(part))

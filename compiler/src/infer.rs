@@ -25,7 +25,7 @@ use crate::analysis::notes::{HERE, Meaning};
 use crate::ast;
 use crate::builtins::Builtin;
 use crate::codes;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::front::MAX_DIAGNOSTICS;
 use crate::resolve::similar;
 use crate::resolve::types::{self, Place};
@@ -160,11 +160,14 @@ impl<'e, 'a> Env<'e, 'a> {
     /// The type of a constant, which is checked when it is needed first.
     pub fn const_type(&self, id: ConstId, used: Span, out: &mut Vec<Diagnostic>) -> Type {
         let index = id.0 as usize;
-        let state = self.consts.borrow()[index].clone();
-        match state {
-            ConstState::Known(ty) => ty,
-            ConstState::Done(body) => body.expr.ty,
-            ConstState::Running => {
+        let is_running = match &self.consts.borrow()[index] {
+            ConstState::Known(ty) => return ty.clone(),
+            ConstState::Done(body) => return body.expr.ty.clone(),
+            ConstState::Running => true,
+            ConstState::Waiting => false,
+        };
+        match is_running {
+            true => {
                 let declared = &self.module.consts[index];
                 if self.names.consts[index].1.ty.is_some() {
                     return declared.ty.clone();
@@ -177,7 +180,7 @@ impl<'e, 'a> Env<'e, 'a> {
                 );
                 Type::Error
             }
-            ConstState::Waiting => {
+            false => {
                 self.consts.borrow_mut()[index] = ConstState::Running;
                 let body = self.constant(id);
                 let ty = body.expr.ty.clone();
@@ -199,6 +202,8 @@ struct Infer<'e, 'a> {
     /// Types that must not hold functions.
     comparable: Vec<(Ty, Span)>,
     out: Vec<Diagnostic>,
+    /// How many of them are errors.
+    errors: usize,
     /// Number of names made for holes.
     holes: usize,
     /// Warnings about names that nothing reads.
@@ -235,6 +240,7 @@ impl<'e, 'a> Infer<'e, 'a> {
             goals: Goals::default(),
             comparable: Vec::new(),
             out: Vec::new(),
+            errors: 0,
             holes: 0,
             unused: Vec::new(),
             called: Vec::new(),
@@ -313,7 +319,13 @@ impl<'e, 'a> Infer<'e, 'a> {
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {
+        self.errors += usize::from(diagnostic.severity == Severity::Error);
         self.out.push(diagnostic);
+    }
+
+    /// Is the body refused whatever else is in it, and more about it would not be shown?
+    fn is_given_up(&self) -> bool {
+        self.table.is_full() || self.errors > MAX_DIAGNOSTICS && self.env.names.notes.is_none()
     }
 
     fn show(&self, ty: Ty) -> String {

@@ -30,8 +30,7 @@ impl Infer<'_, '_> {
     /// Checks an expression against the type its place wants.
     pub(super) fn expr(&mut self, e: &Expr, want: Want) -> Node {
         let span = e.span;
-        // What is refused needs no types.
-        if self.table.is_full() {
+        if self.is_given_up() {
             return self.error_node(span);
         }
         match &e.kind {

@@ -68,7 +68,9 @@ pub fn emit(table: &Table, entry: TaskId) -> Wgsl {
             task::function(table, &fueled, &mut needs, task, id)
         };
     }
-    let text = format!("{}{functions}{}", support::texts(&needs.support), rewrite(table));
+    let mut text = functions;
+    text.insert_str(0, &support::texts(&needs.support));
+    text += &rewrite(table);
     let intrinsics = needs.intrinsics.into_iter().collect();
     Wgsl { text, intrinsics, has_shade, fused, uses_live: needs.live }
 }

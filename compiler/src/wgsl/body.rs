@@ -7,7 +7,7 @@ use crate::core::{Atom, Block, Const, Intrinsic, Loop, Op, Prim, Scalar, Stmt, V
 use crate::intrinsics::returns_struct;
 use crate::scalar;
 use crate::table::Table;
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 /// Loops nest to at most so many iterations in all without spending fuel.
 const FREE_ITERATIONS: u64 = 64;
@@ -19,6 +19,8 @@ pub(super) struct Writer<'a> {
     pub table: &'a Table,
     pub vars: &'a [Scalar],
     needs: &'a mut Needs,
+    /// An expression on its way into a statement.
+    scratch: String,
     /// Iterations of the loops around that do not spend fuel.
     around: u64,
     temporaries: u32,
@@ -33,6 +35,7 @@ impl<'a> Writer<'a> {
             table,
             vars,
             needs,
+            scratch: String::new(),
             around: 1,
             temporaries: 0,
             sums: Sums::default(),
@@ -45,7 +48,13 @@ impl<'a> Writer<'a> {
         self.out.push('\n');
     }
 
-    fn indented(&mut self) {
+    pub fn line_of(&mut self, text: fmt::Arguments) {
+        self.indented();
+        let _ = self.out.write_fmt(text);
+        self.out.push('\n');
+    }
+
+    pub fn indented(&mut self) {
         self.out.extend(std::iter::repeat_n("    ", self.indent));
     }
 
@@ -77,8 +86,25 @@ impl<'a> Writer<'a> {
         }
     }
 
+    fn push_atom(&mut self, text: &mut String, atom: Atom) {
+        match atom {
+            Atom::Var(v) => {
+                text.push('v');
+                push_number(text, v.0);
+            }
+            Atom::Const(c) => text.push_str(&self.constant(c)),
+        }
+    }
+
     pub fn atoms(&mut self, atoms: &[Atom]) -> String {
-        atoms.iter().map(|a| self.atom(*a)).collect::<Vec<_>>().join(", ")
+        let mut text = String::new();
+        for (i, atom) in atoms.iter().enumerate() {
+            if i > 0 {
+                text.push_str(", ");
+            }
+            self.push_atom(&mut text, *atom);
+        }
+        text
     }
 
     /// Notes the support function that an expression calls.
@@ -89,7 +115,11 @@ impl<'a> Writer<'a> {
 
     fn define(&mut self, v: Var, value: &str) {
         self.indented();
-        let _ = writeln!(self.out, "let v{} = {value};", v.0);
+        self.out.push_str("let v");
+        push_number(&mut self.out, v.0);
+        self.out.push_str(" = ");
+        self.out.push_str(value);
+        self.out.push_str(";\n");
     }
 
     pub fn stmts(&mut self, stmts: &[Stmt]) {
@@ -102,9 +132,12 @@ impl<'a> Writer<'a> {
         let Some(first) = stmt.dst.first() else { return };
         match &stmt.op {
             Op::Prim(prim, scalar, args) => {
-                let value = self.prim(*prim, *scalar, args);
+                let mut value = std::mem::take(&mut self.scratch);
+                value.clear();
+                self.prim(&mut value, *prim, *scalar, args);
                 self.sums.learn(*first, *prim, *scalar, args);
                 self.define(*first, &value);
+                self.scratch = value;
             }
             Op::Intrinsic(i, args) => self.intrinsic(&stmt.dst, *i, args),
             Op::Live(word) => {
@@ -123,56 +156,70 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn prim(&mut self, prim: Prim, on: Scalar, args: &[Atom]) -> String {
-        let constants: Vec<_> = args
-            .iter()
-            .filter_map(|a| match a {
-                Atom::Const(c) => Some(*c),
-                Atom::Var(_) => None,
-            })
-            .collect();
-        if constants.len() == args.len() {
-            return self.constant(scalar::eval(prim, on, &constants));
-        }
-        let mut words: Vec<_> = args.iter().map(|a| self.atom(*a)).collect();
-        for (word, rounded) in words.iter_mut().zip(self.sums.rounded(prim, on, args)) {
-            if rounded {
-                *word = format!("rounded({word})");
-            }
+    fn prim(&mut self, text: &mut String, prim: Prim, on: Scalar, args: &[Atom]) {
+        let constant = |atom: &Atom| match atom {
+            Atom::Const(c) => Some(*c),
+            Atom::Var(_) => None,
+        };
+        if args.iter().all(|a| constant(a).is_some()) {
+            let constants: Vec<_> = args.iter().filter_map(constant).collect();
+            return text.push_str(&self.constant(scalar::eval(prim, on, &constants)));
         }
         match (prim, args) {
-            (Prim::Div | Prim::Rem, [_, Atom::Const(c @ (Const::I32(_) | Const::U32(_)))]) => {
-                self.by_constant(prim, on, &words, *c)
+            (Prim::Div | Prim::Rem, [a, Atom::Const(c @ (Const::I32(_) | Const::U32(_)))]) => {
+                self.by_constant(text, prim, on, *a, *c);
             }
-            (Prim::Shl | Prim::Shr, [_, Atom::Const(c)]) => {
+            (Prim::Shl | Prim::Shr, [a, Atom::Const(c)]) => {
+                self.push_atom(text, *a);
                 let sign = if prim == Prim::Shl { "<<" } else { ">>" };
-                format!("{} {sign} {}u", words[0], c.word() & 31)
+                let _ = write!(text, " {sign} {}u", c.word() & 31);
             }
-            (Prim::Index, [_, elements @ ..]) => self.index(on, &words, elements.len()),
+            (Prim::Index, [index, elements @ ..]) => self.index(text, on, *index, elements),
             _ => {
                 let template = template(prim, on);
                 self.support(template);
-                filled(template, &words)
+                self.fill(text, template, args, self.sums.rounded(prim, on, args));
             }
+        }
+    }
+
+    /// A template with operands in the place of `$0`, `$1`, .., some of them such that a driver must not know them.
+    fn fill(&mut self, text: &mut String, template: &str, args: &[Atom], rounded: [bool; 2]) {
+        let mut parts = template.split('$');
+        text.push_str(parts.next().unwrap_or_default());
+        for part in parts {
+            let (place, rest) = part.split_at(1);
+            let place: usize = place.parse().expect("a place has one digit");
+            if let Some(atom) = args.get(place) {
+                let rounded = rounded.get(place) == Some(&true);
+                text.push_str(if rounded { "rounded(" } else { "" });
+                self.push_atom(text, *atom);
+                text.push_str(if rounded { ")" } else { "" });
+            }
+            text.push_str(rest);
         }
     }
 
     /// Division by a constant, which needs no check; a zero would be an error in WGSL.
-    fn by_constant(&mut self, prim: Prim, on: Scalar, words: &[String], divisor: Const) -> String {
+    fn by_constant(&mut self, text: &mut String, prim: Prim, on: Scalar, a: Atom, divisor: Const) {
         match (prim, divisor) {
-            (Prim::Div, Const::I32(0) | Const::U32(0)) => words[0].clone(),
-            (_, Const::I32(0 | -1) | Const::U32(0)) if prim == Prim::Rem => constant(Const::from_word(on, 0)),
-            (_, Const::I32(-1)) => format!("-{}", words[0]),
-            (Prim::Div, _) => format!("{} / {}", words[0], words[1]),
-            _ => format!("{} % {}", words[0], words[1]),
+            (Prim::Div, Const::I32(0) | Const::U32(0)) => self.push_atom(text, a),
+            (_, Const::I32(0 | -1) | Const::U32(0)) if prim == Prim::Rem => {
+                text.push_str(&constant(Const::from_word(on, 0)));
+            }
+            (_, Const::I32(-1)) => self.fill(text, "-$0", &[a], [false; 2]),
+            (Prim::Div, _) => self.fill(text, "$0 / $1", &[a, Atom::Const(divisor)], [false; 2]),
+            _ => self.fill(text, "$0 % $1", &[a, Atom::Const(divisor)], [false; 2]),
         }
     }
 
-    fn index(&mut self, scalar: Scalar, words: &[String], n: usize) -> String {
-        let array = self.temporary();
-        let elements = words[1..].join(", ");
-        self.line(&format!("var {array} = array<{}, {n}>({elements});", scalar.name()));
-        format!("{array}[clamp({}, 0i, {}i)]", words[0], n - 1)
+    fn index(&mut self, text: &mut String, scalar: Scalar, index: Atom, elements: &[Atom]) {
+        let (array, n) = (self.temporary(), elements.len());
+        let elements = self.atoms(elements);
+        self.line_of(format_args!("var {array} = array<{}, {n}>({elements});", scalar.name()));
+        let _ = write!(text, "{array}[clamp(");
+        self.push_atom(text, index);
+        let _ = write!(text, ", 0i, {}i)]", n - 1);
     }
 
     fn intrinsic(&mut self, dst: &[Var], intrinsic: Intrinsic, args: &[Atom]) {
@@ -190,7 +237,7 @@ impl<'a> Writer<'a> {
     fn unpack(&mut self, dst: &[Var], call: &str, fields: Option<&[&str]>) {
         let Some(fields) = fields else { return self.define(dst[0], call) };
         let all = self.temporary();
-        self.line(&format!("let {all} = {call};"));
+        self.line_of(format_args!("let {all} = {call};"));
         for (i, v) in dst.iter().enumerate() {
             let field = if fields == ["r"] { format!("r{i}") } else { fields[i].to_string() };
             self.define(*v, &format!("{all}.{field}"));
@@ -207,7 +254,7 @@ impl<'a> Writer<'a> {
             return;
         }
         for v in dst {
-            self.line(&format!("var v{}: {};", v.0, self.vars[v.0 as usize].name()));
+            self.line_of(format_args!("var v{}: {};", v.0, self.vars[v.0 as usize].name()));
         }
         self.open(&format!("if ({cond}) {{"));
         self.assign_results(dst, yes);
@@ -221,14 +268,14 @@ impl<'a> Writer<'a> {
         self.stmts(&block.stmts);
         for (v, result) in dst.iter().zip(&block.results) {
             let value = self.atom(*result);
-            self.line(&format!("v{} = {value};", v.0));
+            self.line_of(format_args!("v{} = {value};", v.0));
         }
     }
 
     fn looped(&mut self, dst: &[Var], l: &Loop) {
         for (v, init) in &l.state {
             let value = self.atom(*init);
-            self.line(&format!("var v{}: {} = {value};", v.0, self.vars[v.0 as usize].name()));
+            self.line_of(format_args!("var v{}: {} = {value};", v.0, self.vars[v.0 as usize].name()));
         }
         let free = free_iterations(l, self.around);
         let around = self.around;
@@ -236,7 +283,7 @@ impl<'a> Writer<'a> {
         self.open("loop {");
         self.stmts(&l.cond.stmts);
         let cond = self.atom(l.cond.results[0]);
-        self.line(&format!("if (!{cond}) {{ break; }}"));
+        self.line_of(format_args!("if (!{cond}) {{ break; }}"));
         if free.is_none() {
             self.line("if (fuel <= 0) { exhausted = true; break; }");
             self.line("fuel -= 1;");
@@ -260,7 +307,7 @@ impl<'a> Writer<'a> {
                 Atom::Var(w) if w == v => {}
                 Atom::Var(w) if vars.contains(w) => {
                     let copy = self.temporary();
-                    self.line(&format!("let {copy} = {text};"));
+                    self.line_of(format_args!("let {copy} = {text};"));
                     assignments.push(format!("v{} = {copy};", v.0));
                 }
                 _ => assignments.push(format!("v{} = {text};", v.0)),
@@ -272,17 +319,19 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A template with words in the place of `$0`, `$1`, ..
-fn filled(template: &str, words: &[String]) -> String {
-    let mut parts = template.split('$');
-    let mut text = parts.next().unwrap_or_default().to_string();
-    for part in parts {
-        let (place, rest) = part.split_at(1);
-        let word = place.parse().ok().and_then(|i: usize| words.get(i));
-        text.push_str(word.map_or("", String::as_str));
-        text.push_str(rest);
+/// Appends a number; most of a shader's text is names of variables.
+pub(super) fn push_number(text: &mut String, mut n: u32) {
+    let mut digits = [0u8; 10];
+    let mut at = digits.len();
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (n % 10) as u8;
+        n /= 10;
+        if n == 0 {
+            break;
+        }
     }
-    text
+    text.extend(digits[at..].iter().map(|digit| char::from(*digit)));
 }
 
 /// Whether the statements may run out of fuel.

@@ -213,7 +213,7 @@ impl<'a> Network<'a> {
         let task = node.task.map(|task| self.table.task(task));
         let name = task.map_or("literals", |task| &task.name);
         let name: String = name.chars().filter(|c| !c.is_control()).collect();
-        writer.line(&format!("// {name}"));
+        writer.line_of(format_args!("// {name}"));
         writer.open(&format!("if (next == {at}u) {{"));
         let (base, right) = self.base(node);
         // Place of the i-th word of the left stack once the segment's literals have come to it.
@@ -225,11 +225,11 @@ impl<'a> Network<'a> {
         let binding = if loops { "var" } else { "let" };
         for (i, v) in (0..).zip(task.map_or(&[][..], |task| &task.params)) {
             let value = from_word(writer.vars[v.0 as usize], &place(base + i));
-            writer.line(&format!("{binding} v{} = {value};", v.0));
+            writer.line_of(format_args!("{binding} v{} = {value};", v.0));
         }
         for i in node.left..base.max(node.left) {
             let from = place(i);
-            writer.line(&format!("l{i} = {from};"));
+            writer.line_of(format_args!("l{i} = {from};"));
         }
         if loops {
             writer.open("loop {");
@@ -280,10 +280,10 @@ impl<'a> Network<'a> {
         for (segment, node) in segments.iter().zip(&chain).skip(1).rev() {
             for literal in segment.literals.iter().rev() {
                 let word = task::word(writer, **literal);
-                writer.line(&format!("r{right} = {word};"));
+                writer.line_of(format_args!("r{right} = {word};"));
                 right += 1;
             }
-            writer.line(&format!("r{right} = {node}u;"));
+            writer.line_of(format_args!("r{right} = {node}u;"));
             right += 1;
         }
         let literals: Vec<&Atom> = match segments.first() {
@@ -292,10 +292,10 @@ impl<'a> Network<'a> {
         };
         for (i, literal) in (left..).zip(literals) {
             let word = task::word(writer, *literal);
-            writer.line(&format!("l{i} = {word};"));
+            writer.line_of(format_args!("l{i} = {word};"));
         }
         match chain.first() {
-            Some(first) => writer.line(&format!("next = {first}u;")),
+            Some(first) => writer.line_of(format_args!("next = {first}u;")),
             None => take_next(writer, right),
         }
     }
@@ -305,7 +305,7 @@ impl<'a> Network<'a> {
 fn take_next(writer: &mut Writer, right: u32) {
     match right {
         0 => writer.line("next = NO_TASK;"),
-        _ => writer.line(&format!("next = r{};", right - 1)),
+        _ => writer.line_of(format_args!("next = r{};", right - 1)),
     }
 }
 

@@ -4,15 +4,15 @@
 //! Mesa makes `b` of `(a + b) - a` and `x` of `(x + C) - C`. Where a sum meets one of its own addends again, or two constants
 //! would meet, the inner sum goes through the runtime's `rounded`, which a driver cannot see through. So does a divisor that is 0.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::core::{Atom, Const, Prim, Scalar, Var};
 
 /// Addends of the float sums that are known so far, their signs left out.
 #[derive(Default)]
 pub(super) struct Sums {
-    addends: HashMap<Var, [Atom; 2]>,
-    negated: HashMap<Var, Atom>,
+    addends: FxHashMap<Var, [Atom; 2]>,
+    negated: FxHashMap<Var, Atom>,
 }
 
 impl Sums {

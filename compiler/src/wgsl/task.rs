@@ -1,7 +1,7 @@
 //! Tasks as WGSL functions over the window (see `docs/design.md`): operands in, emission out.
 
 use super::Needs;
-use super::body::{Writer, spends_fuel};
+use super::body::{Writer, push_number, spends_fuel};
 use super::expression::{from_word, to_word};
 use crate::core::{Atom, Scalar, Var};
 use crate::table::{Emission, Table, Tail, TailBlock, Task, TaskId, Token, segments};
@@ -31,15 +31,15 @@ pub fn function(table: &Table, fueled: &[bool], needs: &mut Needs, task: &Task, 
 
 fn begin(writer: &mut Writer, task: &Task, id: TaskId, variable: bool) {
     let name: String = task.name.chars().filter(|c| !c.is_control()).collect();
-    writer.line(&format!("// {name}"));
+    writer.line_of(format_args!("// {name}"));
     writer.open(&format!("fn task_{}() {{", id.0));
     if !task.params.is_empty() {
-        writer.line(&format!("consume({}u);", task.params.len()));
+        writer.line_of(format_args!("consume({}u);", task.params.len()));
     }
     for (i, v) in task.params.iter().enumerate() {
         let value = from_word(task.vars[v.0 as usize], &format!("operand({i}u)"));
         let binding = if variable { "var" } else { "let" };
-        writer.line(&format!("{binding} v{} = {value};", v.0));
+        writer.line_of(format_args!("{binding} v{} = {value};", v.0));
     }
 }
 
@@ -124,11 +124,8 @@ impl Exits {
     }
 
     fn call_self(&self, writer: &mut Writer, args: &[Atom]) {
-        for arg in args {
-            let word = word(writer, *arg);
-            writer.line(&format!("literal({word});"));
-        }
-        writer.line(&format!("invoke = {}u;", self.id.0));
+        args.iter().for_each(|arg| put(writer, "literal", *arg));
+        writer.line_of(format_args!("invoke = {}u;", self.id.0));
         writer.line("return;");
     }
 }
@@ -140,24 +137,42 @@ pub fn word(writer: &mut Writer, atom: Atom) -> String {
     }
 }
 
+/// A call with the word of an atom.
+fn put(writer: &mut Writer, call: &str, atom: Atom) {
+    writer.indented();
+    let number = |out: &mut String, before: &str, n: u32, after: &str| {
+        out.push_str(before);
+        push_number(out, n);
+        out.push_str(after);
+    };
+    writer.out.push_str(call);
+    let out = &mut writer.out;
+    match atom {
+        Atom::Const(c) => number(out, "(", c.word(), "u);\n"),
+        Atom::Var(v) => match writer.vars[v.0 as usize] {
+            Scalar::Bool => number(out, "(select(0u, 1u, v", v.0, "));\n"),
+            Scalar::U32 => number(out, "(v", v.0, ");\n"),
+            Scalar::I32 | Scalar::F32 => number(out, "(bitcast<u32>(v", v.0, "));\n"),
+        },
+    }
+}
+
 /// The first segment goes to the left stack and is invoked; the others go to the right stack, last one first.
 fn emission(writer: &mut Writer, emission: &Emission) {
     let segments = segments(emission);
     for (literals, task) in segments[1..].iter().rev() {
         for literal in literals.iter().rev() {
-            let word = word(writer, *literal);
-            writer.line(&format!("later({word});"));
+            put(writer, "later", *literal);
         }
         let task = task.map_or(NO_FUNCTION, |id| id.0);
-        writer.line(&format!("later({}u);", task | (literals.len() as u32) << 16));
+        writer.line_of(format_args!("later({}u);", task | (literals.len() as u32) << 16));
     }
     let (literals, task) = &segments[0];
     for literal in literals {
-        let word = word(writer, *literal);
-        writer.line(&format!("literal({word});"));
+        put(writer, "literal", *literal);
     }
     let task = task.map_or("NO_TASK".to_string(), |id| format!("{}u", id.0));
-    writer.line(&format!("invoke = {task};"));
+    writer.line_of(format_args!("invoke = {task};"));
 }
 
 /// Is this an image entry that is fused whole: two floats in, one to four out on every exit, no tokens?
@@ -201,7 +216,7 @@ pub fn shade(table: &Table, needs: &mut Needs, task: &Task) -> String {
                         *part = writer.atom(*atom);
                     }
                 }
-                writer.line(&format!("return vec4<f32>({});", parts.join(", ")));
+                writer.line_of(format_args!("return vec4<f32>({});", parts.join(", ")));
             }
             Tail::Again(_) => {}
         }

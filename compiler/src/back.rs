@@ -3,7 +3,7 @@
 use crate::core::Program;
 use crate::optimise::{CLEANING, optimise, run};
 use crate::split::live::tail_size;
-use crate::split::{TooMany, lift, split};
+use crate::split::{TooMany, lift, split_lifted};
 use crate::table::{Table, TaskId, Token};
 use crate::wgsl::{self, Wgsl};
 
@@ -49,7 +49,7 @@ impl Back {
 
 fn finish(mut program: Program) -> Result<Back, TooMany> {
     run(CLEANING, &mut program);
-    let (table, entry) = split(&program)?;
+    let (table, entry) = split_lifted(program.clone())?;
     debug_assert_eq!(
         crate::table::verify::table(&table, &crate::core::verify::live_words(&program)).err(),
         None
@@ -110,6 +110,7 @@ mod tests {
     use crate::core::{Const, Scalar, parse, print, verify};
     use crate::interpret::{self, Stopped};
     use crate::random::{Random, TestHost, program};
+    use crate::split::split;
     use crate::stream::{initial, rounds, values};
     use crate::table::Widths;
 

@@ -19,6 +19,7 @@ pub mod verify;
 pub mod walk;
 
 use crate::source::Span;
+use smallvec::{SmallVec, smallvec};
 
 pub use crate::intrinsics::Intrinsic;
 
@@ -161,17 +162,34 @@ pub enum Prim {
     BitcastF32,
 }
 
+/// Operands. Few operations have more than three.
+pub type Args = SmallVec<[Atom; 3]>;
+
+/// Destinations. Most statements have one.
+pub type Dst = SmallVec<[Var; 2]>;
+
+/// Small, for a program has many: what few operations need is behind a pointer.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Op {
     /// One result.
-    Prim(Prim, Scalar, Vec<Atom>),
+    Prim(Prim, Scalar, Args),
     /// Terrain and scene built-ins; results as in the table of [`Intrinsic`].
-    Intrinsic(Intrinsic, Vec<Atom>),
+    Intrinsic(Intrinsic, Args),
     /// Word of a live parameter: index in the words of [`Program::live`], one after the other.
     Live(u32),
-    Call(FnId, Vec<Atom>),
-    If(Atom, Block, Block),
-    Loop(Loop),
+    Call(FnId, Args),
+    If(Atom, Box<Block>, Box<Block>),
+    Loop(Box<Loop>),
+}
+
+impl Op {
+    pub fn branch(cond: Atom, yes: Block, no: Block) -> Op {
+        Op::If(cond, Box::new(yes), Box::new(no))
+    }
+
+    pub fn repeat(l: Loop) -> Op {
+        Op::Loop(Box::new(l))
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -192,8 +210,8 @@ impl Loop {
     pub fn most_turns(&self) -> Option<u64> {
         let (index, Atom::Const(Const::I32(first))) = self.state.first()? else { return None };
         let Atom::Var(next) = self.body.results.first()? else { return None };
-        let step = self.body.stmts.iter().find(|s| s.dst == [*next])?;
-        let one = Op::Prim(Prim::Add, Scalar::I32, vec![Atom::Var(*index), Atom::Const(Const::I32(1))]);
+        let step = self.body.stmts.iter().find(|s| s.dst[..] == [*next])?;
+        let one = Op::Prim(Prim::Add, Scalar::I32, smallvec![Atom::Var(*index), Atom::Const(Const::I32(1))]);
         let limit = self.limit(*index, *self.cond.results.first()?)?;
         let turns = u64::try_from(i64::from(limit) - i64::from(*first)).unwrap_or(0);
         (step.op == one).then_some(turns)
@@ -202,7 +220,7 @@ impl Loop {
     /// A constant that the index is below where `cond` holds.
     fn limit(&self, index: Var, cond: Atom) -> Option<i32> {
         let Atom::Var(cond) = cond else { return None };
-        match &self.cond.stmts.iter().find(|s| s.dst == [cond])?.op {
+        match &self.cond.stmts.iter().find(|s| s.dst[..] == [cond])?.op {
             Op::Prim(Prim::Lt, Scalar::I32, test) => match test.as_slice() {
                 [Atom::Var(v), Atom::Const(Const::I32(limit))] if *v == index => Some(*limit),
                 _ => None,
@@ -228,7 +246,7 @@ pub enum LoopKind {
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Stmt {
-    pub dst: Vec<Var>,
+    pub dst: Dst,
     pub op: Op,
 }
 

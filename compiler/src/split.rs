@@ -32,15 +32,33 @@ const MOST_TASKS: usize = 0xffff;
 pub fn split(program: &Program) -> Result<(Table, TaskId), TooMany> {
     let mut program = program.clone();
     lift::loops(&mut program);
-    let tasks = tasks(&program);
+    split_lifted(program)
+}
+
+/// As [`split`], of a program whose loops call no tasks.
+///
+/// # Errors
+/// [`TooMany`]
+pub fn split_lifted(mut program: Program) -> Result<(Table, TaskId), TooMany> {
+    let graph = Graph::new(&program.functions);
+    let tasks = tasks_of(&program, &graph);
     let entry = program.entry as usize;
+    // Each has a token of its own, whatever becomes of its body.
+    let reached = graph.reached([entry]);
+    if tasks.iter().zip(reached).filter(|(is_task, reached)| **is_task && *reached).count() >= MOST_TASKS {
+        return Err(TooMany::Tasks);
+    }
     let drafts = body::split(&mut program.functions, tasks, entry).ok_or(TooMany::Words)?;
     assemble::table(drafts, &program.functions)
 }
 
 /// Which functions are tasks.
 pub fn tasks(program: &Program) -> Vec<bool> {
-    let graph = Graph::new(&program.functions);
+    tasks_of(program, &Graph::new(&program.functions))
+}
+
+/// As [`tasks`], where it is known who calls whom.
+pub fn tasks_of(program: &Program, graph: &Graph) -> Vec<bool> {
     let mut is_task = graph.recursive.clone();
     if let Some(entry) = is_task.get_mut(program.entry as usize) {
         *entry = true;

@@ -4,6 +4,7 @@
 use crate::core::{Atom, Const, Op, Prim, Scalar, Stmt, Var};
 use crate::scalar;
 use crate::source::Span;
+use smallvec::smallvec;
 
 /// Share of a result by which `+ - *` and conversions are widened: four times the rounding of IEEE, which WGSL asks of
 /// them; a fused product is rounded less. What a denormal loses when it is flushed lies below 1e-37.
@@ -203,7 +204,7 @@ impl Emit<'_> {
             return known;
         }
         let dst = self.fresh(prim.result(on));
-        self.out.push(Stmt { dst: vec![dst], op: Op::Prim(prim, on, args.to_vec()) });
+        self.out.push(Stmt { dst: smallvec![dst], op: Op::Prim(prim, on, args.into()) });
         Atom::Var(dst)
     }
 

@@ -3,6 +3,7 @@
 use super::interval::{Emit, Interval, ROUNDED, Range, flag, number};
 use crate::core::{Atom, Block, FnId, Intrinsic, Op, Prim, Scalar, Stmt};
 use Scalar::{Bool, F32};
+use smallvec::smallvec;
 
 /// A library function with an enclosure of its own. All take a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,11 +66,11 @@ fn noise_gradient(e: &mut Emit, id: FnId, at: &[Interval]) -> Vec<Interval> {
     let least = e.float(Prim::Min, &[spreads[0], spreads[1]]);
     let near = e.float(Prim::Lt, &[least, number(NOISE_SLOPE)]);
     let inside: Vec<_> = [F32; 2].map(|s| e.fresh(s)).to_vec();
-    let call = Stmt { dst: inside.clone(), op: Op::Call(id, vec![x, y]) };
+    let call = Stmt { dst: inside.clone().into(), op: Op::Call(id, smallvec![x, y]) };
     let yes = Block { stmts: vec![call], results: inside.iter().map(|v| Atom::Var(*v)).collect() };
     let no = Block { stmts: Vec::new(), results: vec![number(0.0); 2] };
     let found = [F32; 2].map(|s| e.fresh(s));
-    e.out.push(Stmt { dst: found.to_vec(), op: Op::If(near, yes, no) });
+    e.out.push(Stmt { dst: found.into(), op: Op::branch(near, yes, no) });
     let mut results = Vec::new();
     for (value, spread) in found.into_iter().zip(spreads) {
         let spread = e.float(Prim::Select, &[number(2.0 * NOISE_SLOPE), spread, near]);
@@ -129,7 +130,7 @@ fn ends(args: &[Interval]) -> Option<[Atom; 4]> {
 fn ask(e: &mut Emit, intrinsic: Intrinsic, args: Vec<Atom>) -> Vec<Atom> {
     let dst: Vec<_> = intrinsic.results().iter().map(|s| e.fresh(*s)).collect();
     let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
-    e.out.push(Stmt { dst, op: Op::Intrinsic(intrinsic, args) });
+    e.out.push(Stmt { dst: dst.into(), op: Op::Intrinsic(intrinsic, args.into()) });
     atoms
 }
 
@@ -168,7 +169,7 @@ fn nearest(e: &mut Emit, args: &[Interval]) -> Interval {
     let stmts = std::mem::replace(e.out, outer);
     let no = Block { stmts: Vec::new(), results: vec![lo, hi] };
     let found = [F32; 2].map(|s| e.fresh(s));
-    e.out.push(Stmt { dst: found.to_vec(), op: Op::If(small, Block { stmts, results }, no) });
+    e.out.push(Stmt { dst: found.into(), op: Op::branch(small, Block { stmts, results }, no) });
     let found = Interval::new(Atom::Var(found[0]), Atom::Var(found[1]), Range::ANY);
     e.jump_where_apart(F32, &found);
     found
@@ -258,7 +259,7 @@ fn steps(
     let yes = Block { stmts, results: pairs(&values) };
     let no = Block { stmts: Vec::new(), results: [lo, hi].repeat(results.len()) };
     let dst: Vec<_> = (0..2 * results.len()).map(|_| e.fresh(F32)).collect();
-    e.out.push(Stmt { dst: dst.clone(), op: Op::If(same, yes, no) });
+    e.out.push(Stmt { dst: dst.clone().into(), op: Op::branch(same, yes, no) });
     dst.chunks(2).map(|ends| Interval::new(Atom::Var(ends[0]), Atom::Var(ends[1]), all.range)).collect()
 }
 

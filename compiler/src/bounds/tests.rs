@@ -6,6 +6,7 @@ use crate::core::{Atom, Block, Const, FnId, Function, Mark, Op, Prim, Program, S
 use crate::interpret::{NoHost, run};
 use crate::random::Random;
 use crate::source::{SourceId, Span};
+use smallvec::smallvec;
 use std::collections::HashMap;
 
 /// Operations on floats that are tried, by their operands.
@@ -59,7 +60,7 @@ struct Builder {
 impl Builder {
     fn emit(&mut self, op: Op, scalar: Scalar) -> Atom {
         let dst = self.function.fresh(scalar);
-        self.function.body.stmts.push(Stmt { dst: vec![dst], op });
+        self.function.body.stmts.push(Stmt { dst: smallvec![dst], op });
         Atom::Var(dst)
     }
 
@@ -90,18 +91,18 @@ fn function(random: &mut Random) -> Function {
         let made = match random.below(8) {
             0 => {
                 let (p, q) = (b.operand(random), b.operand(random));
-                let less = b.emit(Op::Prim(Prim::Lt, F32, vec![p, q]), Scalar::Bool);
+                let less = b.emit(Op::Prim(Prim::Lt, F32, smallvec![p, q]), Scalar::Bool);
                 let (p, q) = (b.operand(random), b.operand(random));
                 if random.below(2) == 0 {
-                    b.emit(Op::Prim(Prim::Select, F32, vec![p, q, less]), F32)
+                    b.emit(Op::Prim(Prim::Select, F32, smallvec![p, q, less]), F32)
                 } else {
                     let [yes, no] = [p, q].map(|atom| Block { stmts: Vec::new(), results: vec![atom] });
-                    b.emit(Op::If(less, yes, no), F32)
+                    b.emit(Op::branch(less, yes, no), F32)
                 }
             }
             1 => {
                 let x = b.operand(random);
-                b.emit(Op::Prim(Prim::Mul, F32, vec![x, x]), F32)
+                b.emit(Op::Prim(Prim::Mul, F32, smallvec![x, x]), F32)
             }
             _ => {
                 let (prim, n) = TRIED[random.below(TRIED.len())];
@@ -110,8 +111,8 @@ fn function(random: &mut Random) -> Function {
             }
         };
         let made = if random.below(2) == 0 {
-            let low = b.emit(Op::Prim(Prim::Max, F32, vec![made, Atom::Const(Const::f32(-100.0))]), F32);
-            b.emit(Op::Prim(Prim::Min, F32, vec![low, Atom::Const(Const::f32(100.0))]), F32)
+            let low = b.emit(Op::Prim(Prim::Max, F32, smallvec![made, Atom::Const(Const::f32(-100.0))]), F32);
+            b.emit(Op::Prim(Prim::Min, F32, smallvec![low, Atom::Const(Const::f32(100.0))]), F32)
         } else {
             made
         };

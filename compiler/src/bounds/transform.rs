@@ -238,7 +238,7 @@ impl Transform<'_> {
                         for (v, word) in stmt.dst.iter().zip(&dst) {
                             self.define(*v, Word::Still(Atom::Var(*word), scene_range(*intrinsic)));
                         }
-                        self.push(dst, Op::Intrinsic(*intrinsic, atoms));
+                        self.push(dst, Op::Intrinsic(*intrinsic, atoms.into()));
                     }
                     None => {
                         let intervals: Vec<Interval> = words.iter().map(Word::interval).collect();
@@ -265,7 +265,7 @@ impl Transform<'_> {
 
     fn push(&mut self, dst: Vec<Var>, op: Op) {
         self.written += 1;
-        self.out.push(Stmt { dst, op });
+        self.out.push(Stmt { dst: dst.into(), op });
     }
 
     fn call(&mut self, dst: &[Var], id: FnId, args: &[Atom], value: bool) -> Made<()> {
@@ -282,7 +282,7 @@ impl Transform<'_> {
                 let range = Range::of(self.vars[word.0 as usize]);
                 self.define(*v, Word::Still(Atom::Var(*word), range));
             }
-            self.push(results, Op::Call(id, atoms));
+            self.push(results, Op::Call(id, atoms.into()));
             return Ok(());
         }
         let found = match self.context.known.get(&id) {
@@ -386,7 +386,7 @@ impl Transform<'_> {
             found.push(Interval { lo, hi, ..word.clone() });
         }
         let no = Block { stmts: Vec::new(), results: nothing };
-        self.push(dst, Op::If(when, Block { stmts, results }, no));
+        self.push(dst, Op::branch(when, Block { stmts, results }, no));
         self.also_smooth(Atom::Var(whole));
         found
     }
@@ -422,7 +422,7 @@ impl Transform<'_> {
         }
         let yes = Block { stmts: yes_stmts, results: yes_results };
         let no = Block { stmts: no_stmts, results: no_results };
-        self.push(dst, Op::If(cond, yes, no));
+        self.push(dst, Op::branch(cond, yes, no));
         self.also_smooth(Atom::Var(whole));
         found
     }
@@ -464,7 +464,7 @@ impl Transform<'_> {
         let (found, mut last) = self.stand_ins(&shape, &scalars);
         let last_smooth = self.fresh(Scalar::Bool);
         last.push(last_smooth);
-        self.push(last, Op::Loop(repeat));
+        self.push(last, Op::repeat(repeat));
         self.also_smooth(Atom::Var(last_smooth));
         self.bind(dst, &found);
         Ok(())

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 use super::print::LOOP_KINDS;
 use super::{
-    Atom, Block, Const, FnId, Function, Intrinsic, Loop, LoopKind, Mark, Op, Prim, Program, Scalar, Stmt, Var,
+    Args, Atom, Block, Const, FnId, Function, Intrinsic, Loop, LoopKind, Mark, Op, Prim, Program, Scalar,
+    Stmt, Var,
 };
 
 /// A program, or where and why the text is not one.
@@ -308,7 +309,7 @@ impl Parser {
                 return self.error("a name that is new in this function");
             }
         }
-        Ok(Stmt { dst, op })
+        Ok(Stmt { dst: dst.into(), op })
     }
 
     fn binder_name(&self, at: usize) -> Option<String> {
@@ -318,9 +319,9 @@ impl Parser {
         }
     }
 
-    fn args(&mut self) -> Read<Vec<Atom>> {
+    fn args(&mut self) -> Read<Args> {
         self.sign("(")?;
-        self.list(")", Self::atom)
+        Ok(self.list(")", Self::atom)?.into())
     }
 
     fn op(&mut self) -> Read<Op> {
@@ -341,10 +342,10 @@ impl Parser {
             let cond = self.atom()?;
             let yes = self.block()?;
             self.word("else")?;
-            return Ok(Op::If(cond, yes, self.block()?));
+            return Ok(Op::branch(cond, yes, self.block()?));
         }
         if self.takes_word("loop") {
-            return Ok(Op::Loop(self.looped()?));
+            return Ok(Op::repeat(self.looped()?));
         }
         if self.takes_word("live") {
             return match self.args()?.as_slice() {

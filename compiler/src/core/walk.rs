@@ -3,13 +3,13 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 
-use super::{Atom, Block, FnId, Function, Op, Scalar, Stmt, Var};
+use super::{Args, Atom, Block, FnId, Function, Op, Scalar, Stmt, Var};
 
 impl Op {
     /// The blocks inside, in order.
     pub fn blocks(&self) -> impl Iterator<Item = &Block> {
         let (first, second) = match self {
-            Op::If(_, yes, no) => (Some(yes), Some(no)),
+            Op::If(_, yes, no) => (Some(&**yes), Some(&**no)),
             Op::Loop(l) => (Some(&l.cond), Some(&l.body)),
             _ => (None, None),
         };
@@ -18,7 +18,7 @@ impl Op {
 
     pub fn blocks_mut(&mut self) -> impl Iterator<Item = &mut Block> {
         let (first, second) = match self {
-            Op::If(_, yes, no) => (Some(yes), Some(no)),
+            Op::If(_, yes, no) => (Some(&mut **yes), Some(&mut **no)),
             Op::Loop(l) => (Some(&mut l.cond), Some(&mut l.body)),
             _ => (None, None),
         };
@@ -94,11 +94,19 @@ impl<T: Copy> Default for VarMap<T> {
 }
 
 /// Every statement in pre-order, those of blocks inside included.
-pub fn statements<'a>(stmts: &'a [Stmt], see: &mut dyn FnMut(&'a Stmt)) {
+pub fn statements<'a>(stmts: &'a [Stmt], see: &mut impl FnMut(&'a Stmt)) {
     for stmt in stmts {
         see(stmt);
-        for block in stmt.op.blocks() {
-            statements(&block.stmts, see);
+        match &stmt.op {
+            Op::If(_, yes, no) => {
+                statements(&yes.stmts, see);
+                statements(&no.stmts, see);
+            }
+            Op::Loop(l) => {
+                statements(&l.cond.stmts, see);
+                statements(&l.body.stmts, see);
+            }
+            _ => {}
         }
     }
 }
@@ -118,7 +126,8 @@ pub fn calls(stmts: &[Stmt]) -> Vec<FnId> {
 pub fn calls_any(stmts: &[Stmt], wanted: &[bool]) -> bool {
     stmts.iter().any(|stmt| match &stmt.op {
         Op::Call(id, _) => wanted[id.0 as usize],
-        op => op.blocks().any(|block| calls_any(&block.stmts, wanted)),
+        Op::If(..) | Op::Loop(_) => stmt.op.blocks().any(|block| calls_any(&block.stmts, wanted)),
+        _ => false,
     })
 }
 
@@ -135,9 +144,11 @@ pub fn map_calls(stmts: &mut [Stmt], map: &dyn Fn(FnId) -> FnId) {
 
 /// Number of statements, those of blocks inside included.
 pub fn size(stmts: &[Stmt]) -> usize {
-    let mut n = 0;
-    statements(stmts, &mut |_| n += 1);
-    n
+    let inner = |stmt: &Stmt| match &stmt.op {
+        Op::If(..) | Op::Loop(_) => stmt.op.blocks().map(|block| size(&block.stmts)).sum(),
+        _ => 0,
+    };
+    stmts.len() + stmts.iter().map(inner).sum::<usize>()
 }
 
 /// Variables used but not defined in what was seen, in the order of first use.
@@ -206,14 +217,20 @@ pub fn free_in_stmt(stmt: &Stmt) -> SmallVec<[Var; 4]> {
 
 /// Every variable that the statement uses, with repetitions and with those that it defines inside.
 pub fn uses(stmt: &Stmt, see: &mut impl FnMut(Var)) {
-    vars_of(stmt.op.operands()).for_each(&mut *see);
-    for block in stmt.op.blocks() {
-        block.stmts.iter().for_each(|inner| uses(inner, see));
-        vars_of(block.results.iter().copied()).for_each(&mut *see);
+    if let Op::Prim(_, _, args) = &stmt.op {
+        return vars_of(args.iter().copied()).for_each(see);
     }
+    vars_of(stmt.op.operands()).for_each(&mut *see);
+    stmt.op.blocks().for_each(|block| uses_in(block, see));
 }
 
-fn vars_of(atoms: impl Iterator<Item = Atom>) -> impl Iterator<Item = Var> {
+/// As [`uses`], for all statements of a block and its results.
+pub fn uses_in(block: &Block, see: &mut impl FnMut(Var)) {
+    block.stmts.iter().for_each(|inner| uses(inner, see));
+    vars_of(block.results.iter().copied()).for_each(see);
+}
+
+pub fn vars_of(atoms: impl Iterator<Item = Atom>) -> impl Iterator<Item = Var> {
     atoms.filter_map(|a| match a {
         Atom::Var(v) => Some(v),
         Atom::Const(_) => None,
@@ -262,6 +279,10 @@ impl<'a> Renumber<'a> {
         atoms.iter().map(|a| self.atom(*a)).collect()
     }
 
+    fn args(&self, atoms: &[Atom]) -> Args {
+        atoms.iter().map(|a| self.atom(*a)).collect()
+    }
+
     pub fn block(&mut self, block: &Block) -> Block {
         let stmts = self.stmts(&block.stmts);
         Block { stmts, results: self.atoms(&block.results) }
@@ -272,18 +293,18 @@ impl<'a> Renumber<'a> {
     }
 
     fn stmt(&mut self, stmt: &Stmt) -> Stmt {
-        let dst = self.defines(&stmt.dst);
+        let dst = stmt.dst.iter().map(|v| self.define(*v)).collect();
         let op = match &stmt.op {
-            Op::Prim(prim, scalar, args) => Op::Prim(*prim, *scalar, self.atoms(args)),
-            Op::Intrinsic(i, args) => Op::Intrinsic(*i, self.atoms(args)),
+            Op::Prim(prim, scalar, args) => Op::Prim(*prim, *scalar, self.args(args)),
+            Op::Intrinsic(i, args) => Op::Intrinsic(*i, self.args(args)),
             Op::Live(word) => Op::Live(*word),
-            Op::Call(id, args) => Op::Call(*id, self.atoms(args)),
-            Op::If(cond, yes, no) => Op::If(self.atom(*cond), self.block(yes), self.block(no)),
+            Op::Call(id, args) => Op::Call(*id, self.args(args)),
+            Op::If(cond, yes, no) => Op::branch(self.atom(*cond), self.block(yes), self.block(no)),
             Op::Loop(l) => {
                 let inits: Vec<_> = l.state.iter().map(|(_, init)| self.atom(*init)).collect();
                 let state = l.state.iter().map(|(v, _)| self.define(*v)).zip(inits).collect();
                 let (cond, body) = (self.block(&l.cond), self.block(&l.body));
-                Op::Loop(super::Loop { state, cond, body, kind: l.kind })
+                Op::repeat(super::Loop { state, cond, body, kind: l.kind })
             }
         };
         Stmt { dst, op }

@@ -1,8 +1,9 @@
 //! THE table of derivatives of scalar operations: one row an operation on floats.
 
 use crate::core::Prim::{self, *};
-use crate::core::{Atom, Const, Op, Scalar, Stmt, Var};
+use crate::core::{Args, Atom, Const, Op, Scalar, Stmt, Var};
 use crate::scalar;
+use smallvec::smallvec;
 
 /// How the slope of a result follows from those of its operands.
 #[derive(Clone, Copy)]
@@ -70,7 +71,7 @@ pub(super) const RULES: &Rules = &[
     (Log2, Chain(|e, a, _, _| Over(e.op(Mul, &[a[0], number(std::f32::consts::LN_2)])))),
     (Pow, Chain(power)),
     (Select, Choice(|e, a, t| e.op(Select, &[t[0], t[1], a[2]]))),
-    (Index, Choice(|e, a, t| e.op_of(Index, [&[a[0]], &t[1..]].concat()))),
+    (Index, Choice(|e, a, t| e.op_of(Index, [&[a[0]], &t[1..]].concat().into()))),
     (ToBool, Flat),
     (ToI32, Flat),
     (ToU32, Flat),
@@ -138,7 +139,7 @@ fn power(e: &mut Emit, a: &[Atom], r: Atom, k: usize) -> Partial {
         let log = e.op(Log, &[a[0]]);
         (e.op(Mul, &[r, log]), r)
     };
-    let none = e.op_on(Eq, Scalar::F32, vec![factor, number(0.0)]);
+    let none = e.op_on(Eq, Scalar::F32, smallvec![factor, number(0.0)]);
     Times(e.op(Select, &[slope, number(0.0), none]))
 }
 
@@ -159,14 +160,14 @@ impl Emit<'_> {
     }
 
     pub fn op(&mut self, prim: Prim, args: &[Atom]) -> Atom {
-        self.op_of(prim, args.to_vec())
+        self.op_of(prim, args.into())
     }
 
-    fn op_of(&mut self, prim: Prim, args: Vec<Atom>) -> Atom {
+    fn op_of(&mut self, prim: Prim, args: Args) -> Atom {
         self.op_on(prim, Scalar::F32, args)
     }
 
-    pub fn op_on(&mut self, prim: Prim, on: Scalar, args: Vec<Atom>) -> Atom {
+    pub fn op_on(&mut self, prim: Prim, on: Scalar, args: Args) -> Atom {
         let constant = |a: &Atom| match a {
             Atom::Const(c) => Some(*c),
             Atom::Var(_) => None,
@@ -175,7 +176,7 @@ impl Emit<'_> {
             return Atom::Const(scalar::eval(prim, on, &constants));
         }
         let dst = self.fresh(prim.result(on));
-        self.out.push(Stmt { dst: vec![dst], op: Op::Prim(prim, on, args) });
+        self.out.push(Stmt { dst: smallvec![dst], op: Op::Prim(prim, on, args) });
         Atom::Var(dst)
     }
 

@@ -7,6 +7,7 @@ use crate::core::{Atom, Block, Const, FnId, Function, Mark, Op, Prim, Program, S
 use crate::core::{parse, print, verify};
 use crate::interpret::{NoHost, run};
 use crate::source::{SourceId, Span};
+use smallvec::smallvec;
 
 fn nowhere() -> Span {
     Span { source: SourceId(0), start: 0, end: 0 }
@@ -92,7 +93,7 @@ fn program(prim: Prim, n: usize, k: usize, rules: &'static Rules) -> Program {
     let params = (0..n).filter(|i| *i != k).chain([k]).map(|i| Var(i as u32)).collect();
     let args = (0..n).map(|i| Atom::Var(Var(i as u32))).collect();
     let result = Var(n as u32);
-    let stmts = vec![Stmt { dst: vec![result], op: Op::Prim(prim, Scalar::F32, args) }];
+    let stmts = vec![Stmt { dst: smallvec![result], op: Op::Prim(prim, Scalar::F32, args) }];
     let body = Block { stmts, results: vec![Atom::Var(result)] };
     let results = vec![Scalar::F32];
     let base = Function { name: "base".into(), params, results, vars, body, mark: Mark::Auto, span: None };

@@ -142,7 +142,7 @@ impl<'a, 'd> Transform<'a, 'd> {
                 let (yes, no) = (self.block(yes, &masks), self.block(no, &masks));
                 let mut dst = stmt.dst.clone();
                 dst.extend(self.define_all(&stmt.dst, &masks));
-                self.out.push(Stmt { dst, op: Op::If(*cond, yes, no) });
+                self.out.push(Stmt { dst, op: Op::branch(*cond, yes, no) });
             }
             Op::Loop(l) => self.repeat(&stmt.dst, l),
             Op::Call(id, args) => {
@@ -182,7 +182,7 @@ impl<'a, 'd> Transform<'a, 'd> {
     /// The slope of a function of a position by another that yields its gradient.
     fn given(&mut self, dst: Var, gradient: FnId, args: &[Atom]) {
         let words: Vec<Var> = args.iter().map(|_| self.emit().fresh(Scalar::F32)).collect();
-        self.out.push(Stmt { dst: words.clone(), op: Op::Call(gradient, args.to_vec()) });
+        self.out.push(Stmt { dst: words.clone().into(), op: Op::Call(gradient, args.into()) });
         let terms: Vec<(Partial, Slopes)> = words
             .into_iter()
             .zip(args)
@@ -202,7 +202,7 @@ impl<'a, 'd> Transform<'a, 'd> {
         let state = l.state.iter().copied().chain(slopes.into_iter().zip(first_slopes)).collect();
         let mut all = dst.to_vec();
         all.extend(self.define_all(dst, &masks));
-        self.out.push(Stmt { dst: all, op: Op::Loop(Loop { state, cond, body, kind: l.kind }) });
+        self.out.push(Stmt { dst: all.into(), op: Op::repeat(Loop { state, cond, body, kind: l.kind }) });
     }
 
     fn prim(&mut self, dst: Var, prim: Prim, on: Scalar, args: &[Atom]) {
@@ -263,7 +263,7 @@ impl<'a, 'd> Transform<'a, 'd> {
             Jacobian::Unknown => return self.unknown(intrinsic),
         };
         let words: Vec<Var> = partials.results().iter().map(|s| self.emit().fresh(*s)).collect();
-        self.out.push(Stmt { dst: words.clone(), op: Op::Intrinsic(partials, args.to_vec()) });
+        self.out.push(Stmt { dst: words.clone().into(), op: Op::Intrinsic(partials, args.into()) });
         for (result, v) in dst.iter().enumerate() {
             let terms: Vec<(Partial, Slopes)> = args
                 .iter()

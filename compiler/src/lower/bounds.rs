@@ -25,7 +25,7 @@ impl<'m> Lower<'m> {
             Ask::Above => &[Scalar::F32],
             Ask::Along => &[Scalar::Bool, Scalar::F32, Scalar::F32],
         };
-        let words = self.emit(Op::Call(hole, words), scalars);
+        let words = self.emit(Op::Call(hole, words.into()), scalars);
         self.unflatten(at.result, &mut words.into_iter())
     }
 

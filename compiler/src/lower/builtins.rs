@@ -8,6 +8,7 @@ use crate::builtins::{Builtin, Shape};
 use crate::core::{Atom, Const, Intrinsic, Op, Prim, Scalar};
 use crate::typed::{ExprKind, Type};
 use Scalar::{F32, U32};
+use smallvec::smallvec;
 
 impl<'m> Lower<'m> {
     pub(super) fn builtin(&mut self, builtin: Builtin, at: Application<'_, 'm>) -> Value<'m> {
@@ -99,7 +100,7 @@ impl<'m> Lower<'m> {
 
     pub(super) fn intrinsic(&mut self, intrinsic: Intrinsic, args: &[Value<'m>], result: &Type) -> Value<'m> {
         let operands: Vec<Atom> = args.iter().flat_map(Value::components).collect();
-        let words = self.emit(Op::Intrinsic(intrinsic, operands), intrinsic.results());
+        let words = self.emit(Op::Intrinsic(intrinsic, operands.into()), intrinsic.results());
         self.unflatten(result, &mut words.into_iter())
     }
 
@@ -163,7 +164,7 @@ impl<'m> Lower<'m> {
         for i in 0..width {
             let operands: Vec<Atom> = columns.iter().map(|c| c[i.min(c.len() - 1)]).collect();
             let scalar = self.scalar_of(operands[0]);
-            parts.push(self.prim(prim, scalar, operands));
+            parts.push(self.prim(prim, scalar, operands.into()));
         }
         match &args[0] {
             Value::Atom(_) if width == 1 => Value::Atom(parts[0]),
@@ -175,7 +176,7 @@ impl<'m> Lower<'m> {
         let target = prim.result(F32);
         self.map(value, &mut |l, atom| {
             let from = l.scalar_of(atom);
-            if from == target { atom } else { l.prim(prim, from, vec![atom]) }
+            if from == target { atom } else { l.prim(prim, from, smallvec![atom]) }
         })
     }
 
@@ -192,9 +193,9 @@ impl<'m> Lower<'m> {
 
     /// First bit and number of bits, cut to the word.
     fn bit_range(&mut self, first: &Value<'m>, count: &Value<'m>) -> (Atom, Atom) {
-        let first = self.prim(Prim::Min, U32, vec![first.atom(), word(32)]);
-        let rest = self.prim(Prim::Sub, U32, vec![word(32), first]);
-        (first, self.prim(Prim::Min, U32, vec![count.atom(), rest]))
+        let first = self.prim(Prim::Min, U32, smallvec![first.atom(), word(32)]);
+        let rest = self.prim(Prim::Sub, U32, smallvec![word(32), first]);
+        (first, self.prim(Prim::Min, U32, smallvec![count.atom(), rest]))
     }
 
     /// Shifted to the high end and back, where `>>` keeps the sign.
@@ -202,34 +203,34 @@ impl<'m> Lower<'m> {
         let x = args[0].atom();
         let scalar = self.scalar_of(x);
         let (first, count) = self.bit_range(&args[1], &args[2]);
-        let down = self.prim(Prim::Sub, U32, vec![word(32), count]);
-        let up = self.prim(Prim::Sub, U32, vec![down, first]);
+        let down = self.prim(Prim::Sub, U32, smallvec![word(32), count]);
+        let up = self.prim(Prim::Sub, U32, smallvec![down, first]);
         let [up, down] = [up, down].map(|by| match scalar {
-            Scalar::I32 => self.prim(Prim::BitcastI32, U32, vec![by]),
+            Scalar::I32 => self.prim(Prim::BitcastI32, U32, smallvec![by]),
             _ => by,
         });
-        let high = self.prim(Prim::Shl, scalar, vec![x, up]);
-        let low = self.prim(Prim::Shr, scalar, vec![high, down]);
-        let none = self.prim(Prim::Eq, U32, vec![count, word(0)]);
+        let high = self.prim(Prim::Shl, scalar, smallvec![x, up]);
+        let low = self.prim(Prim::Shr, scalar, smallvec![high, down]);
+        let none = self.prim(Prim::Eq, U32, smallvec![count, word(0)]);
         let zero = if scalar == Scalar::I32 { Atom::Const(Const::I32(0)) } else { word(0) };
-        Value::Atom(self.prim(Prim::Select, scalar, vec![low, zero, none]))
+        Value::Atom(self.prim(Prim::Select, scalar, smallvec![low, zero, none]))
     }
 
     fn insert_bits(&mut self, args: &[Value<'m>]) -> Value<'m> {
         let signed = self.scalar_of(args[0].atom()) == Scalar::I32;
         let [old, new] = [&args[0], &args[1]].map(|value| self.convert(Prim::BitcastU32, value).atom());
         let (first, count) = self.bit_range(&args[2], &args[3]);
-        let unused = self.prim(Prim::Sub, U32, vec![word(32), count]);
-        let ones = self.prim(Prim::Shr, U32, vec![word(u32::MAX), unused]);
-        let mask = self.prim(Prim::Shl, U32, vec![ones, first]);
-        let outside = self.prim(Prim::Xor, U32, vec![mask, word(u32::MAX)]);
-        let kept = self.prim(Prim::And, U32, vec![old, outside]);
-        let moved = self.prim(Prim::Shl, U32, vec![new, first]);
-        let put = self.prim(Prim::And, U32, vec![moved, mask]);
-        let both = self.prim(Prim::Or, U32, vec![kept, put]);
-        let none = self.prim(Prim::Eq, U32, vec![count, word(0)]);
-        let bits = self.prim(Prim::Select, U32, vec![both, old, none]);
-        Value::Atom(if signed { self.prim(Prim::BitcastI32, U32, vec![bits]) } else { bits })
+        let unused = self.prim(Prim::Sub, U32, smallvec![word(32), count]);
+        let ones = self.prim(Prim::Shr, U32, smallvec![word(u32::MAX), unused]);
+        let mask = self.prim(Prim::Shl, U32, smallvec![ones, first]);
+        let outside = self.prim(Prim::Xor, U32, smallvec![mask, word(u32::MAX)]);
+        let kept = self.prim(Prim::And, U32, smallvec![old, outside]);
+        let moved = self.prim(Prim::Shl, U32, smallvec![new, first]);
+        let put = self.prim(Prim::And, U32, smallvec![moved, mask]);
+        let both = self.prim(Prim::Or, U32, smallvec![kept, put]);
+        let none = self.prim(Prim::Eq, U32, smallvec![count, word(0)]);
+        let bits = self.prim(Prim::Select, U32, smallvec![both, old, none]);
+        Value::Atom(if signed { self.prim(Prim::BitcastI32, U32, smallvec![bits]) } else { bits })
     }
 
     fn scaled(&mut self, value: &Value<'m>, factor: f32) -> Value<'m> {
@@ -245,7 +246,7 @@ impl<'m> Lower<'m> {
     /// 1 where `edge <= x`, else 0.
     fn step(&mut self, edge: &Value<'m>, x: &Value<'m>) -> Value<'m> {
         let past = self.zip(Prim::Le, edge, x);
-        self.map(&past, &mut |l, atom| l.prim(Prim::Select, F32, vec![number(0.0), number(1.0), atom]))
+        self.map(&past, &mut |l, atom| l.prim(Prim::Select, F32, smallvec![number(0.0), number(1.0), atom]))
     }
 
     fn smoothstep(&mut self, low: &Value<'m>, high: &Value<'m>, x: &Value<'m>) -> Value<'m> {
@@ -275,7 +276,7 @@ impl<'m> Lower<'m> {
         let mut words = Vec::with_capacity(no.len());
         for (no, yes) in no.into_iter().zip(yes) {
             let scalar = self.scalar_of(no);
-            words.push(self.prim(Prim::Select, scalar, vec![no, yes, cond]));
+            words.push(self.prim(Prim::Select, scalar, smallvec![no, yes, cond]));
         }
         self.unflatten(at.result, &mut words.into_iter())
     }
@@ -285,10 +286,10 @@ impl<'m> Lower<'m> {
         let (xs, ys) = (a.components(), b.components());
         let mut sum = None;
         for (x, y) in xs.into_iter().zip(ys) {
-            let product = self.prim(Prim::Mul, F32, vec![x, y]);
+            let product = self.prim(Prim::Mul, F32, smallvec![x, y]);
             sum = Some(match sum {
                 None => product,
-                Some(sum) => self.prim(Prim::Add, F32, vec![sum, product]),
+                Some(sum) => self.prim(Prim::Add, F32, smallvec![sum, product]),
             });
         }
         sum.expect("vectors have components")
@@ -296,16 +297,16 @@ impl<'m> Lower<'m> {
 
     fn length(&mut self, v: &Value<'m>) -> Atom {
         if let Value::Atom(x) = v {
-            return self.prim(Prim::Abs, F32, vec![*x]);
+            return self.prim(Prim::Abs, F32, smallvec![*x]);
         }
         let square = self.dot(v, v);
-        self.prim(Prim::Sqrt, F32, vec![square])
+        self.prim(Prim::Sqrt, F32, smallvec![square])
     }
 
     /// `i - 2 dot(n, i) n`.
     fn reflect(&mut self, i: &Value<'m>, n: &Value<'m>) -> Value<'m> {
         let along = self.dot(n, i);
-        let twice = self.prim(Prim::Mul, F32, vec![number(2.0), along]);
+        let twice = self.prim(Prim::Mul, F32, smallvec![number(2.0), along]);
         let back = self.zip(Prim::Mul, &Value::Atom(twice), n);
         self.zip(Prim::Sub, i, &back)
     }
@@ -314,37 +315,37 @@ impl<'m> Lower<'m> {
     fn refract(&mut self, i: &Value<'m>, n: &Value<'m>, eta: &Value<'m>) -> Value<'m> {
         let along = self.dot(n, i);
         let eta_atom = eta.atom();
-        let square = self.prim(Prim::Mul, F32, vec![along, along]);
-        let sine = self.prim(Prim::Sub, F32, vec![number(1.0), square]);
-        let eta2 = self.prim(Prim::Mul, F32, vec![eta_atom, eta_atom]);
-        let bent = self.prim(Prim::Mul, F32, vec![eta2, sine]);
-        let k = self.prim(Prim::Sub, F32, vec![number(1.0), bent]);
-        let total = self.prim(Prim::Lt, F32, vec![k, number(0.0)]);
-        let root = self.prim(Prim::Sqrt, F32, vec![k]);
-        let forward = self.prim(Prim::Mul, F32, vec![eta_atom, along]);
-        let factor = self.prim(Prim::Add, F32, vec![forward, root]);
+        let square = self.prim(Prim::Mul, F32, smallvec![along, along]);
+        let sine = self.prim(Prim::Sub, F32, smallvec![number(1.0), square]);
+        let eta2 = self.prim(Prim::Mul, F32, smallvec![eta_atom, eta_atom]);
+        let bent = self.prim(Prim::Mul, F32, smallvec![eta2, sine]);
+        let k = self.prim(Prim::Sub, F32, smallvec![number(1.0), bent]);
+        let total = self.prim(Prim::Lt, F32, smallvec![k, number(0.0)]);
+        let root = self.prim(Prim::Sqrt, F32, smallvec![k]);
+        let forward = self.prim(Prim::Mul, F32, smallvec![eta_atom, along]);
+        let factor = self.prim(Prim::Add, F32, smallvec![forward, root]);
         let straight = self.zip(Prim::Mul, eta, i);
         let down = self.zip(Prim::Mul, &Value::Atom(factor), n);
         let refracted = self.zip(Prim::Sub, &straight, &down);
-        self.map(&refracted, &mut |l, atom| l.prim(Prim::Select, F32, vec![atom, number(0.0), total]))
+        self.map(&refracted, &mut |l, atom| l.prim(Prim::Select, F32, smallvec![atom, number(0.0), total]))
     }
 
     /// `n` turned against `i`: `dot(reference, i) < 0 ? n : -n`.
     fn face_forward(&mut self, n: &Value<'m>, i: &Value<'m>, reference: &Value<'m>) -> Value<'m> {
         let along = self.dot(reference, i);
-        let keep = self.prim(Prim::Lt, F32, vec![along, number(0.0)]);
+        let keep = self.prim(Prim::Lt, F32, smallvec![along, number(0.0)]);
         self.map(n, &mut |l, atom| {
-            let turned = l.prim(Prim::Neg, F32, vec![atom]);
-            l.prim(Prim::Select, F32, vec![turned, atom, keep])
+            let turned = l.prim(Prim::Neg, F32, smallvec![atom]);
+            l.prim(Prim::Select, F32, smallvec![turned, atom, keep])
         })
     }
 
     fn cross(&mut self, a: &Value<'m>, b: &Value<'m>) -> Value<'m> {
         let (a, b) = (a.components(), b.components());
         let mut part = |i: usize, j: usize| {
-            let left = self.prim(Prim::Mul, F32, vec![a[i], b[j]]);
-            let right = self.prim(Prim::Mul, F32, vec![a[j], b[i]]);
-            self.prim(Prim::Sub, F32, vec![left, right])
+            let left = self.prim(Prim::Mul, F32, smallvec![a[i], b[j]]);
+            let right = self.prim(Prim::Mul, F32, smallvec![a[j], b[i]]);
+            self.prim(Prim::Sub, F32, smallvec![left, right])
         };
         Value::vector(vec![part(1, 2), part(2, 0), part(0, 1)])
     }
@@ -396,12 +397,12 @@ impl<'m> Lower<'m> {
             };
             let smaller: Vec<Vec<Atom>> = rest.iter().map(without).collect();
             let minor = self.minor(&smaller);
-            let term = self.prim(Prim::Mul, F32, vec![*factor, minor]);
+            let term = self.prim(Prim::Mul, F32, smallvec![*factor, minor]);
             sum = Some(match sum {
                 None => term,
                 Some(sum) => {
                     let op = if row % 2 == 1 { Prim::Sub } else { Prim::Add };
-                    self.prim(op, F32, vec![sum, term])
+                    self.prim(op, F32, smallvec![sum, term])
                 }
             });
         }

@@ -13,6 +13,7 @@ use crate::core::{Atom, Block, Const, Op, Prim, Scalar, Stmt};
 use crate::source::Span;
 use crate::typed::Type;
 use rustc_hash::FxHashMap;
+use smallvec::smallvec;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -184,7 +185,7 @@ impl<'m> Lower<'m> {
         let scalar = self.scalar_of(atoms[0]);
         let mut operands = vec![tag];
         operands.extend(atoms);
-        self.prim(Prim::Index, scalar, operands)
+        self.prim(Prim::Index, scalar, operands.into())
     }
 
     /// The candidate with its words taken from the payload.
@@ -222,7 +223,7 @@ impl<'m> Lower<'m> {
         let (low, high) = candidates.split_at(candidates.len() / 2);
         let middle = first + low.len();
         let bound = Atom::Const(Const::I32(middle as i32));
-        let cond = self.prim(Prim::Lt, Scalar::I32, vec![tag, bound]);
+        let cond = self.prim(Prim::Lt, Scalar::I32, smallvec![tag, bound]);
         let f = std::cell::RefCell::new(f);
         self.branch(
             cond,
@@ -251,7 +252,7 @@ impl<'m> Lower<'m> {
         let (yes, no) = (end(yes), end(no));
         let scalars: Vec<Scalar> = yes.results.iter().map(|a| self.scalar_of(*a)).collect();
         self.spend(COST_OF_A_WORD * scalars.len().saturating_sub(WORDS_OF_A_CHOICE));
-        let words = self.emit(Op::If(cond, yes, no), &scalars);
+        let words = self.emit(Op::branch(cond, yes, no), &scalars);
         self.rebuild(&like, ty, &mut words.into_iter())
     }
 

@@ -19,7 +19,7 @@ impl<'m> Lower<'m> {
         let scalars = self.layouts.scalars(at.result).expect("slopes are numbers or vectors");
         let (base, _, words) = self.specialise(&callee, &Application { result: &Type::F32, ..at.clone() });
         let hole = self.hole(base, scalars.len(), at.span);
-        let words = self.emit(Op::Call(hole, words), &scalars);
+        let words = self.emit(Op::Call(hole, words.into()), &scalars);
         self.unflatten(at.result, &mut words.into_iter())
     }
 

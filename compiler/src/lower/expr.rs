@@ -8,6 +8,7 @@ use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::source::Span;
 use crate::typed::{BinaryOp, Expr, ExprKind, Let, Literal, LocalId, ParamId, Type, UnaryOp};
 use rustc_hash::FxHashMap;
+use smallvec::smallvec;
 use std::collections::BTreeMap;
 
 /// Enums whose words were compared already, type by type: variants may hold the same words of one enum many times over.
@@ -172,7 +173,7 @@ impl<'m> Lower<'m> {
         let value = self.expr(a, env);
         self.map(&value, &mut |l, atom| {
             let scalar = l.scalar_of(atom);
-            l.prim(prim, scalar, vec![atom])
+            l.prim(prim, scalar, smallvec![atom])
         })
     }
 
@@ -196,7 +197,7 @@ impl<'m> Lower<'m> {
             BinaryOp::Eq => self.equal(&a, &b, &ta),
             BinaryOp::Ne => {
                 let equal = self.equal(&a, &b, &ta).atom();
-                Value::Atom(self.prim(Prim::Not, Scalar::Bool, vec![equal]))
+                Value::Atom(self.prim(Prim::Not, Scalar::Bool, smallvec![equal]))
             }
             BinaryOp::Mul if matches!(ta, Type::Mat(_)) || matches!(tb, Type::Mat(_)) => {
                 self.matrix_product(&a, &ta, &b, &tb)
@@ -218,7 +219,7 @@ impl<'m> Lower<'m> {
             (x, Value::Group(ys)) => Value::Group(ys.iter().map(|y| self.zip(prim, x, y)).collect()),
             (x, y) => {
                 let scalar = self.scalar_of(x.atom());
-                Value::Atom(self.prim(prim, scalar, vec![x.atom(), y.atom()]))
+                Value::Atom(self.prim(prim, scalar, smallvec![x.atom(), y.atom()]))
             }
         }
     }
@@ -234,8 +235,8 @@ impl<'m> Lower<'m> {
         let mut all = Atom::Const(Const::Bool(true));
         for (x, y) in xs.into_iter().zip(ys) {
             let scalar = self.scalar_of(x);
-            let same = self.prim(Prim::Eq, scalar, vec![x, y]);
-            all = self.prim(Prim::And, Scalar::Bool, vec![all, same]);
+            let same = self.prim(Prim::Eq, scalar, smallvec![x, y]);
+            all = self.prim(Prim::And, Scalar::Bool, smallvec![all, same]);
         }
         Value::Atom(all)
     }
@@ -263,7 +264,7 @@ impl<'m> Lower<'m> {
                 ys.push(Atom::Const(Const::Bool(true)));
                 return;
             }
-            let mut all = self.prim(Prim::Eq, Scalar::I32, vec![ta, tb]);
+            let mut all = self.prim(Prim::Eq, Scalar::I32, smallvec![ta, tb]);
             for tag in 0..self.module.enums[id.0 as usize].variants.len() as u32 {
                 let types = self.layouts.fields(ty, tag);
                 if types.is_empty() {
@@ -275,9 +276,9 @@ impl<'m> Lower<'m> {
                 let (fields_a, fields_b) = (Value::Group(fields_a.into()), Value::Group(fields_b.into()));
                 let same = self.equal_once(&fields_a, &fields_b, &group, compared).atom();
                 let tag_atom = Atom::Const(Const::I32(tag as i32));
-                let other = self.prim(Prim::Ne, Scalar::I32, vec![ta, tag_atom]);
-                let held = self.prim(Prim::Or, Scalar::Bool, vec![other, same]);
-                all = self.prim(Prim::And, Scalar::Bool, vec![all, held]);
+                let other = self.prim(Prim::Ne, Scalar::I32, smallvec![ta, tag_atom]);
+                let held = self.prim(Prim::Or, Scalar::Bool, smallvec![other, same]);
+                all = self.prim(Prim::And, Scalar::Bool, smallvec![all, held]);
             }
             compared.insert(words, all);
             xs.push(all);
@@ -343,8 +344,8 @@ impl<'m> Lower<'m> {
             // Clamp as unsigned first: an index of 2^31 and more means the last element.
             Scalar::U32 => {
                 let last = Atom::Const(Const::U32(base.items().len() as u32 - 1));
-                let low = self.prim(Prim::Min, Scalar::U32, vec![at, last]);
-                self.prim(Prim::ToI32, Scalar::U32, vec![low])
+                let low = self.prim(Prim::Min, Scalar::U32, smallvec![at, last]);
+                self.prim(Prim::ToI32, Scalar::U32, smallvec![low])
             }
             _ => at,
         };
@@ -362,7 +363,7 @@ impl<'m> Lower<'m> {
             let mut operands = vec![at];
             operands.extend(rows.iter().map(|row| row[column]));
             let scalar = self.scalar_of(rows[0][column]);
-            words.push(self.prim(Prim::Index, scalar, operands));
+            words.push(self.prim(Prim::Index, scalar, operands.into()));
         }
         self.rebuild(&like, &ty, &mut words.into_iter())
     }

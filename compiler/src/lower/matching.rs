@@ -7,6 +7,7 @@ use crate::core::{Atom, Const, Op, Prim, Scalar};
 use crate::layout::Items;
 use crate::source::Span;
 use crate::typed::{Arm, Expr, LocalId, Pattern, PatternKind, Type};
+use smallvec::smallvec;
 use std::collections::BTreeMap;
 
 /// Arms that become branches in each other; more are numbered.
@@ -65,13 +66,13 @@ impl<'m> Lower<'m> {
             // A guard is evaluated only where no arm before fits.
             let mut open = TRUE;
             for (at, (arm, fits)) in possible[..last].iter().enumerate() {
-                let mut cond = self.prim(Prim::And, Scalar::Bool, vec![*fits, open]);
+                let mut cond = self.prim(Prim::And, Scalar::Bool, smallvec![*fits, open]);
                 if let Some(guard) = &arm.guard {
                     cond = self.guarded(cond, arm, guard, value, value_type, env);
                 }
                 found = self.pick_atom(cond, number(at), found);
-                let other = self.prim(Prim::Not, Scalar::Bool, vec![cond]);
-                open = self.prim(Prim::And, Scalar::Bool, vec![open, other]);
+                let other = self.prim(Prim::Not, Scalar::Bool, smallvec![cond]);
+                open = self.prim(Prim::And, Scalar::Bool, smallvec![open, other]);
             }
         }
         let arms: Vec<&Arm> = possible.into_iter().map(|(arm, _)| arm).collect();
@@ -94,7 +95,7 @@ impl<'m> Lower<'m> {
         let (low, high) = arms.split_at(arms.len() / 2);
         let middle = first + low.len();
         let is_low = vec![number, Atom::Const(Const::I32(middle as i32))];
-        let is_low = self.prim(Prim::Lt, Scalar::I32, is_low);
+        let is_low = self.prim(Prim::Lt, Scalar::I32, is_low.into());
         let ty = env.ty(&expr.ty);
         let of = (value, value_type);
         let lower = |l: &mut Self, env: &mut Env<'m>| l.numbered(expr, of, (first, low), number, env);
@@ -157,7 +158,7 @@ impl<'m> Lower<'m> {
             PatternKind::Wild | PatternKind::Bind(_) => TRUE,
             PatternKind::Literal(literal) => {
                 let constant = super::expr::constant(*literal);
-                self.prim(Prim::Eq, constant.scalar(), vec![value.atom(), Atom::Const(constant)])
+                self.prim(Prim::Eq, constant.scalar(), smallvec![value.atom(), Atom::Const(constant)])
             }
             PatternKind::Tuple(items) | PatternKind::Struct(_, items) => {
                 let types = self.layouts.items(ty).expect("a product pattern has a product type");
@@ -166,13 +167,13 @@ impl<'m> Lower<'m> {
             PatternKind::Variant(_, tag, fields) => {
                 let Some((same, values, types)) = self.variant(*tag, value, ty) else { return FALSE };
                 let inner = self.test_all(fields, &values, &types);
-                self.prim(Prim::And, Scalar::Bool, vec![same, inner])
+                self.prim(Prim::And, Scalar::Bool, smallvec![same, inner])
             }
             PatternKind::Or(choices) => {
                 let mut any = FALSE;
                 for choice in choices {
                     let fits = self.test(choice, value, ty);
-                    any = self.prim(Prim::Or, Scalar::Bool, vec![any, fits]);
+                    any = self.prim(Prim::Or, Scalar::Bool, smallvec![any, fits]);
                 }
                 any
             }
@@ -183,7 +184,7 @@ impl<'m> Lower<'m> {
         let mut all = TRUE;
         for ((pattern, value), ty) in patterns.iter().zip(values).zip(types.iter()) {
             let fits = self.test(pattern, value, ty);
-            all = self.prim(Prim::And, Scalar::Bool, vec![all, fits]);
+            all = self.prim(Prim::And, Scalar::Bool, smallvec![all, fits]);
         }
         all
     }
@@ -200,7 +201,7 @@ impl<'m> Lower<'m> {
     {
         let types = self.layouts.fields(ty, tag);
         let is = |l: &mut Self, tags: Atom, wanted: u32| {
-            l.prim(Prim::Eq, Scalar::I32, vec![tags, Atom::Const(Const::I32(wanted as i32))])
+            l.prim(Prim::Eq, Scalar::I32, smallvec![tags, Atom::Const(Const::I32(wanted as i32))])
         };
         Some(match value {
             Value::Variant(known, fields) if *known == tag => (TRUE, fields.clone(), types),
@@ -303,7 +304,7 @@ impl<'m> Lower<'m> {
             _ => {}
         }
         let scalar = self.scalar_of(yes);
-        self.emit(Op::Prim(Prim::Select, scalar, vec![no, yes, cond]), &[scalar])[0]
+        self.emit(Op::Prim(Prim::Select, scalar, smallvec![no, yes, cond]), &[scalar])[0]
     }
 }
 

@@ -23,7 +23,7 @@ mod words;
 use crate::bounds::{self as bounds_of, Known};
 use crate::codes::{self, Code};
 use crate::compile::EntryKind;
-use crate::core::{Atom, Const, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
+use crate::core::{Args, Atom, Const, Dst, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
 use crate::derive::{self, Request};
 use crate::diagnostic::Diagnostic;
 use crate::entry::misfit;
@@ -327,7 +327,7 @@ impl<'m> Lower<'m> {
     fn emit(&mut self, op: Op, results: &[Scalar]) -> Vec<Atom> {
         let words = results.len() + op.operands().count();
         self.spend(1 + words / WORDS_OF_A_STATEMENT);
-        let dst: Vec<Var> = results.iter().map(|s| self.builder.fresh(*s)).collect();
+        let dst: Dst = results.iter().map(|s| self.builder.fresh(*s)).collect();
         let atoms = dst.iter().map(|v| Atom::Var(*v)).collect();
         self.builder.open.last_mut().expect("an open block").push(Stmt { dst, op });
         atoms
@@ -359,7 +359,7 @@ impl<'m> Lower<'m> {
     }
 
     /// A scalar operation, computed now if all operands are constants.
-    fn prim(&mut self, prim: Prim, scalar: Scalar, args: Vec<Atom>) -> Atom {
+    fn prim(&mut self, prim: Prim, scalar: Scalar, args: Args) -> Atom {
         let constants: Option<Vec<Const>> = args
             .iter()
             .map(|a| match a {

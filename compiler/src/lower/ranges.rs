@@ -8,7 +8,8 @@ use crate::core::walk::substitute;
 use crate::core::{Atom, Block, Const, Loop, LoopKind, Op, Prim, Scalar, Stmt, Var};
 use crate::source::Span;
 use crate::typed::{Expr, RangeForm, RangeOp, Type};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::smallvec;
 
 impl<'m> Lower<'m> {
     pub(super) fn range(
@@ -42,13 +43,13 @@ impl<'m> Lower<'m> {
 
         // Condition.
         let (stmts, more) = self.block(|l| {
-            let more = l.prim(Prim::Lt, Scalar::I32, vec![Atom::Var(index), hi]);
+            let more = l.prim(Prim::Lt, Scalar::I32, smallvec![Atom::Var(index), hi]);
             match op {
                 RangeOp::Fold | RangeOp::Sum => more,
-                RangeOp::All => l.prim(Prim::And, Scalar::Bool, vec![more, carried_atoms[0]]),
+                RangeOp::All => l.prim(Prim::And, Scalar::Bool, smallvec![more, carried_atoms[0]]),
                 RangeOp::Any => {
-                    let open = l.prim(Prim::Not, Scalar::Bool, vec![carried_atoms[0]]);
-                    l.prim(Prim::And, Scalar::Bool, vec![more, open])
+                    let open = l.prim(Prim::Not, Scalar::Bool, smallvec![carried_atoms[0]]);
+                    l.prim(Prim::And, Scalar::Bool, smallvec![more, open])
                 }
             }
         });
@@ -80,11 +81,11 @@ impl<'m> Lower<'m> {
             }
             if op == RangeOp::Sum {
                 for (word, (so_far, scalar)) in next.iter_mut().zip(carried_atoms.iter().zip(&scalars)) {
-                    *word = l.prim(Prim::Add, *scalar, vec![*so_far, *word]);
+                    *word = l.prim(Prim::Add, *scalar, smallvec![*so_far, *word]);
                 }
             }
             let one = Atom::Const(Const::I32(1));
-            let mut state = vec![l.prim(Prim::Add, Scalar::I32, vec![Atom::Var(index), one])];
+            let mut state = vec![l.prim(Prim::Add, Scalar::I32, smallvec![Atom::Var(index), one])];
             state.extend(next);
             state
         });
@@ -102,7 +103,7 @@ impl<'m> Lower<'m> {
         let state = std::iter::once(index).chain(carried).zip(first).collect();
         let repeat = Loop { state, cond, body, kind };
         let results: Vec<Scalar> = std::iter::once(Scalar::I32).chain(scalars).collect();
-        let last = self.emit(Op::Loop(repeat), &results);
+        let last = self.emit(Op::repeat(repeat), &results);
         self.unflatten(&ty, &mut last.into_iter().skip(1))
     }
 
@@ -139,11 +140,11 @@ impl<'m> Lower<'m> {
             }
             let (stmts, results) = self.reopen(stmts, |l| {
                 let one = Atom::Const(Const::I32(1));
-                let mut results = vec![l.prim(Prim::Add, Scalar::I32, vec![index, one])];
+                let mut results = vec![l.prim(Prim::Add, Scalar::I32, smallvec![index, one])];
                 results.extend(l.words_like(&next, &like, ty));
                 results
             });
-            let (tests, more) = self.block(|l| l.prim(Prim::Lt, Scalar::I32, vec![index, hi]));
+            let (tests, more) = self.block(|l| l.prim(Prim::Lt, Scalar::I32, smallvec![index, hi]));
             let mut first = vec![lo];
             first.extend(self.words_like(init, &like, ty));
             let repeat = Loop {
@@ -152,7 +153,7 @@ impl<'m> Lower<'m> {
                 body: Block { stmts, results },
                 kind: LoopKind::Fold,
             };
-            let last = self.emit(Op::Loop(repeat), &scalars);
+            let last = self.emit(Op::repeat(repeat), &scalars);
             return self.rebuild(&like, ty, &mut last.into_iter().skip(1));
         }
     }
@@ -186,15 +187,15 @@ fn end_at_rest(cond: &mut Block, body: &mut Block, carried: &[Var], vars: &mut V
     body.stmts.splice(at..at, yes.stmts);
     vars.push(Scalar::Bool);
     let both = Var(vars.len() as u32 - 1);
-    let op = Op::Prim(Prim::And, Scalar::Bool, vec![cond.results[0], test.results[0]]);
+    let op = Op::Prim(Prim::And, Scalar::Bool, smallvec![cond.results[0], test.results[0]]);
     cond.stmts.extend(test.stmts);
-    cond.stmts.push(Stmt { dst: vec![both], op });
+    cond.stmts.push(Stmt { dst: smallvec![both], op });
     cond.results = vec![Atom::Var(both)];
 }
 
 /// Whether the statements are operations that make the condition of nothing that changes but the accumulator's words.
 fn of_the_state(stmts: &[Stmt], condition: Var, carried: &[Var]) -> bool {
-    let mut known = carried.to_vec();
+    let mut known: FxHashSet<Var> = carried.iter().copied().collect();
     for stmt in stmts {
         let Op::Prim(_, _, args) = &stmt.op else { return false };
         let is_known = |atom: &Atom| match atom {

@@ -60,7 +60,7 @@ impl<'m> Lower<'m> {
     pub(super) fn call_specialised(&mut self, callee: &Callee<'m>, at: &Application<'_, 'm>) -> Value<'m> {
         let (id, key, words) = self.specialise(callee, at);
         if let Some(scalars) = self.layouts.scalars(at.result) {
-            let words = self.emit(Op::Call(id, words), &scalars);
+            let words = self.emit(Op::Call(id, words.into()), &scalars);
             return self.unflatten(at.result, &mut words.into_iter());
         }
         let like = match self.yields.get(&key) {
@@ -68,7 +68,7 @@ impl<'m> Lower<'m> {
             None => self.placeholder(at.result),
         };
         let scalars = self.word_scalars(&like, at.result);
-        let words = self.emit(Op::Call(id, words), &scalars);
+        let words = self.emit(Op::Call(id, words.into()), &scalars);
         self.rebuild(&like, at.result, &mut words.into_iter())
     }
 
@@ -79,7 +79,7 @@ impl<'m> Lower<'m> {
         self.builder = Builder { vars: Vec::new(), open: vec![Vec::new()] };
         let params = [(); 2].map(|()| self.builder.fresh(Scalar::F32));
         let pixel = params.map(Atom::Var).to_vec();
-        let place = self.emit(Op::Intrinsic(Intrinsic::Place, pixel), Intrinsic::Place.results());
+        let place = self.emit(Op::Intrinsic(Intrinsic::Place, pixel.into()), Intrinsic::Place.results());
         let (args, types) = (vec![Value::vector(place)], [Type::Vec(2)]);
         let at = Application { args, params: &types, result: &definition.result, span: definition.span };
         let value = self.call_specialised(&Callee::Function(entry, Vec::new()), &at);

@@ -5,6 +5,7 @@ use super::shape::Shape;
 use super::value::{Closure, Value};
 use crate::core::{Atom, Const, Prim, Scalar};
 use crate::typed::Type;
+use smallvec::smallvec;
 use std::rc::Rc;
 
 impl<'m> Lower<'m> {
@@ -143,11 +144,11 @@ impl<'m> Lower<'m> {
         let from = self.scalar_of(atom);
         match (from, target) {
             (from, to) if from == to => atom,
-            (Scalar::Bool, _) => self.prim(Prim::ToU32, Scalar::Bool, vec![atom]),
-            (from, Scalar::Bool) => self.prim(Prim::ToBool, from, vec![atom]),
-            (from, Scalar::I32) => self.prim(Prim::BitcastI32, from, vec![atom]),
-            (from, Scalar::U32) => self.prim(Prim::BitcastU32, from, vec![atom]),
-            (from, Scalar::F32) => self.prim(Prim::BitcastF32, from, vec![atom]),
+            (Scalar::Bool, _) => self.prim(Prim::ToU32, Scalar::Bool, smallvec![atom]),
+            (from, Scalar::Bool) => self.prim(Prim::ToBool, from, smallvec![atom]),
+            (from, Scalar::I32) => self.prim(Prim::BitcastI32, from, smallvec![atom]),
+            (from, Scalar::U32) => self.prim(Prim::BitcastU32, from, smallvec![atom]),
+            (from, Scalar::F32) => self.prim(Prim::BitcastF32, from, smallvec![atom]),
         }
     }
 }

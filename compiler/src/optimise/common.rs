@@ -5,9 +5,8 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::collections::hash_map::Entry;
 
-use crate::core::{Atom, FnId, Intrinsic, Op, Prim, Scalar, Var};
+use crate::core::{Args, Atom, FnId, Intrinsic, Op, Prim, Scalar, Var};
 
-type Args = SmallVec<[Atom; 4]>;
 type Results = SmallVec<[Var; 2]>;
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -39,36 +38,53 @@ fn key(op: &Op) -> Option<Key> {
     })
 }
 
-/// The operations seen in a block and those around it.
+/// The operations seen in a block and those around it. What was seen in a block that has ended stays until it is seen
+/// again, since to forget it would take as long as to note it.
 #[derive(Default)]
 pub struct Seen {
-    found: FxHashMap<Key, Results>,
-    /// Keys of `found`, those of inner blocks last.
-    entered: Vec<Key>,
+    found: FxHashMap<Key, (Place, Results)>,
+    /// The open blocks, outermost first, by the numbers that they got.
+    open: Vec<u32>,
+    blocks: u32,
 }
 
-/// Where a block began.
-pub struct Scope(usize);
+/// A block: how many are around it, and its number.
+type Place = (usize, u32);
 
 impl Seen {
-    pub fn enter(&self) -> Scope {
-        Scope(self.entered.len())
+    /// For about so many operations.
+    pub fn with_room(operations: usize) -> Seen {
+        let found = FxHashMap::with_capacity_and_hasher(operations, Default::default());
+        Seen { found, ..Seen::default() }
     }
 
-    /// Forgets what was seen since.
-    pub fn leave(&mut self, scope: Scope) {
-        for key in self.entered.drain(scope.0..) {
-            self.found.remove(&key);
-        }
+    /// Opens a block.
+    pub fn enter(&mut self) {
+        self.open.push(self.blocks);
+        self.blocks += 1;
+    }
+
+    /// Ends the block that was opened last.
+    pub fn leave(&mut self) {
+        self.open.pop();
     }
 
     /// Results of an equal operation; remembers `dst` as its results if there was none.
     pub fn earlier(&mut self, op: &Op, dst: &[Var]) -> Option<&[Var]> {
+        let here = (self.open.len() - 1, *self.open.last().expect("an operation is in a block"));
+        let new = || (here, Results::from_slice(dst));
         match self.found.entry(key(op)?) {
-            Entry::Occupied(entry) => Some(entry.into_mut()),
+            Entry::Occupied(entry) => {
+                let known = entry.into_mut();
+                let (around, number) = known.0;
+                if self.open.get(around) == Some(&number) {
+                    return Some(&known.1);
+                }
+                *known = new();
+                None
+            }
             Entry::Vacant(entry) => {
-                self.entered.push(entry.key().clone());
-                entry.insert(Results::from_slice(dst));
+                entry.insert(new());
                 None
             }
         }

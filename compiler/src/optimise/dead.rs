@@ -5,6 +5,7 @@
 //! and recursive parameters that only keep themselves alive.
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::{Array, SmallVec};
 
 use crate::core::graph::Graph;
 use crate::core::walk::{self, VarMap, map_calls, statements};
@@ -220,18 +221,21 @@ impl Sweep<'_> {
     }
 
     fn stmt(&self, stmt: &mut Stmt) {
-        let mask: Vec<_> = stmt.dst.iter().map(|v| self.is_needed(*v)).collect();
+        if stmt.op.blocks().next().is_none() && !matches!(stmt.op, Op::Call(..)) {
+            return;
+        }
+        let mask: SmallVec<[bool; 16]> = stmt.dst.iter().map(|v| self.is_needed(*v)).collect();
         match &mut stmt.op {
             Op::Prim(..) | Op::Intrinsic(..) | Op::Live(_) => {}
             Op::Call(id, args) => {
                 let callee = id.0 as usize;
                 if callee != self.entry {
-                    keep(args, &self.needs.params[callee]);
-                    keep(&mut stmt.dst, &self.needs.results[callee]);
+                    keep_few(args, &self.needs.params[callee]);
+                    keep_few(&mut stmt.dst, &self.needs.results[callee]);
                 }
             }
             Op::If(_, yes, no) => {
-                keep(&mut stmt.dst, &mask);
+                keep_few(&mut stmt.dst, &mask);
                 for block in [yes, no] {
                     self.block(block, &mask);
                 }
@@ -240,7 +244,7 @@ impl Sweep<'_> {
                 // A state may be needed by the loop though not after it.
                 let mask: Vec<_> =
                     l.state.iter().zip(mask).map(|((v, _), after)| after || self.is_needed(*v)).collect();
-                keep(&mut stmt.dst, &mask);
+                keep_few(&mut stmt.dst, &mask);
                 keep(&mut l.state, &mask);
                 self.block(&mut l.body, &mask);
                 self.block(&mut l.cond, &[true]);
@@ -252,6 +256,11 @@ impl Sweep<'_> {
         self.stmts(&mut block.stmts);
         keep(&mut block.results, results);
     }
+}
+
+fn keep_few<A: Array>(items: &mut SmallVec<A>, mask: &[bool]) {
+    let mut mask = mask.iter();
+    items.retain(|_| mask.next() == Some(&true));
 }
 
 fn keep<T>(items: &mut Vec<T>, mask: &[bool]) {

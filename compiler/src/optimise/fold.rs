@@ -3,17 +3,17 @@
 //! variable that equals an atom is replaced by it.
 
 use rustc_hash::FxHashMap;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 use super::common::Seen;
 use super::identity::{as_const, identity};
 use crate::core::walk::VarMap;
-use crate::core::{Atom, Block, Const, Function, Loop, Op, Prim, Program, Scalar, Stmt, Var};
+use crate::core::{Args, Atom, Block, Const, Dst, Function, Loop, Op, Prim, Program, Scalar, Stmt, Var};
 use crate::scalar;
 
 pub fn fold(program: &mut Program) {
     for f in &mut program.functions {
-        let mut folder = Folder::default();
+        let mut folder = Folder { seen: Seen::with_room(f.vars.len()), ..Folder::default() };
         let mut body = std::mem::take(&mut f.body);
         folder.block(f, &mut body);
         f.body = body;
@@ -51,14 +51,14 @@ impl Folder {
     }
 
     fn block(&mut self, f: &mut Function, block: &mut Block) {
-        let scope = self.seen.enter();
+        self.seen.enter();
         let mut kept = Vec::with_capacity(block.stmts.len());
         for stmt in std::mem::take(&mut block.stmts) {
             self.stmt(f, stmt, &mut kept);
         }
         block.stmts = kept;
         self.replace(&mut block.results);
-        self.seen.leave(scope);
+        self.seen.leave();
     }
 
     fn stmt(&mut self, f: &mut Function, mut stmt: Stmt, kept: &mut Vec<Stmt>) {
@@ -67,21 +67,21 @@ impl Folder {
         }
         match stmt.op {
             Op::Prim(prim, on, args) => self.prim(stmt.dst, prim, on, args, kept),
-            Op::If(cond, yes, no) => self.branch(f, stmt.dst, cond, yes, no, kept),
+            Op::If(cond, yes, no) => self.branch(f, stmt.dst, cond, [yes, no], kept),
             Op::Loop(l) => self.looped(f, stmt.dst, l, kept),
             op @ (Op::Intrinsic(..) | Op::Call(..) | Op::Live(_)) => self.keep(stmt.dst, op, kept),
         }
     }
 
     /// Unless the operation was evaluated before.
-    fn keep(&mut self, dst: Vec<Var>, op: Op, kept: &mut Vec<Stmt>) {
+    fn keep(&mut self, dst: Dst, op: Op, kept: &mut Vec<Stmt>) {
         match self.seen.earlier(&op, &dst) {
             Some(earlier) => self.known.extend(dst.into_iter().zip(earlier.iter().map(|v| Atom::Var(*v)))),
             None => kept.push(Stmt { dst, op }),
         }
     }
 
-    fn prim(&mut self, dst: Vec<Var>, prim: Prim, on: Scalar, mut args: Vec<Atom>, kept: &mut Vec<Stmt>) {
+    fn prim(&mut self, dst: Dst, prim: Prim, on: Scalar, mut args: Args, kept: &mut Vec<Stmt>) {
         let (mut prim, mut on) = (prim, on);
         // Each step makes the operation simpler, so this ends.
         loop {
@@ -117,7 +117,9 @@ impl Folder {
         // select(a, b, !c) = select(b, a, c)
         if let (Prim::Select, [no, yes, cond]) = (prim, args) {
             return match definition(*cond)? {
-                (Prim::Not, Scalar::Bool, c) => Some(Simpler::Prim(Prim::Select, on, vec![*yes, *no, c[0]])),
+                (Prim::Not, Scalar::Bool, c) => {
+                    Some(Simpler::Prim(Prim::Select, on, smallvec![*yes, *no, c[0]]))
+                }
                 _ => None,
             };
         }
@@ -132,16 +134,20 @@ impl Folder {
             | (Prim::BitcastI32 | Prim::BitcastU32 | Prim::BitcastF32, Prim::BitcastU32)
             | (Prim::BitcastI32 | Prim::BitcastU32 | Prim::BitcastF32, Prim::BitcastF32) => {
                 if prim.result(on) != inner_on {
-                    return Some(Simpler::Prim(prim, inner_on, vec![inner_args[0]]));
+                    return Some(Simpler::Prim(prim, inner_on, smallvec![inner_args[0]]));
                 }
                 true
             }
             // !(a == b) and integer order; float order has NaN
-            (Prim::Not, Prim::Eq) => return Some(Simpler::Prim(Prim::Ne, inner_on, inner_args.to_vec())),
-            (Prim::Not, Prim::Ne) => return Some(Simpler::Prim(Prim::Eq, inner_on, inner_args.to_vec())),
+            (Prim::Not, Prim::Eq) => {
+                return Some(Simpler::Prim(Prim::Ne, inner_on, Args::from_slice(&inner_args)));
+            }
+            (Prim::Not, Prim::Ne) => {
+                return Some(Simpler::Prim(Prim::Eq, inner_on, Args::from_slice(&inner_args)));
+            }
             (Prim::Not, Prim::Lt | Prim::Le) if inner_on != Scalar::F32 => {
                 let turned = if inner == Prim::Lt { Prim::Le } else { Prim::Lt };
-                return Some(Simpler::Prim(turned, inner_on, vec![inner_args[1], inner_args[0]]));
+                return Some(Simpler::Prim(turned, inner_on, smallvec![inner_args[1], inner_args[0]]));
             }
             // bool -> word -> bool
             (Prim::ToBool, Prim::ToI32 | Prim::ToU32) if inner_on == Scalar::Bool => true,
@@ -153,10 +159,9 @@ impl Folder {
     fn branch(
         &mut self,
         f: &mut Function,
-        dst: Vec<Var>,
+        dst: Dst,
         cond: Atom,
-        mut yes: Block,
-        mut no: Block,
+        [mut yes, mut no]: [Box<Block>; 2],
         kept: &mut Vec<Stmt>,
     ) {
         if let Some(Const::Bool(taken)) = as_const(cond) {
@@ -170,7 +175,7 @@ impl Folder {
         if let Atom::Var(v) = cond
             && let Some((Prim::Not, _, inner)) = self.defined.get(v)
         {
-            return self.branch(f, dst, inner[0], no, yes, kept);
+            return self.branch(f, dst, inner[0], [no, yes], kept);
         }
         self.assuming(cond, true, |folder| folder.block(f, &mut yes));
         self.assuming(cond, false, |folder| folder.block(f, &mut no));
@@ -188,7 +193,7 @@ impl Folder {
         if yes.stmts.is_empty() && no.stmts.is_empty() {
             open.retain(|i| match logic(cond, yes.results[*i], no.results[*i]) {
                 Some((prim, args)) => {
-                    self.prim(vec![dst[*i]], prim, Scalar::Bool, args, kept);
+                    self.prim(smallvec![dst[*i]], prim, Scalar::Bool, args, kept);
                     false
                 }
                 None => true,
@@ -211,7 +216,7 @@ impl Folder {
         self.known.set(v, before);
     }
 
-    fn looped(&mut self, f: &mut Function, dst: Vec<Var>, mut l: Loop, kept: &mut Vec<Stmt>) {
+    fn looped(&mut self, f: &mut Function, dst: Dst, mut l: Box<Loop>, kept: &mut Vec<Stmt>) {
         // State that never changes is no state.
         let mut at = 0;
         let mut dst = dst;
@@ -257,12 +262,12 @@ fn constants_added_up(
     let (inner, _, [x, Atom::Const(d)]) = definition(*x)? else { return None };
     let sum = summand(prim, *c)?.wrapping_add(summand(inner, d)?);
     let (prim, word) = if (sum as i32) < 0 { (Prim::Sub, sum.wrapping_neg()) } else { (Prim::Add, sum) };
-    Some(Simpler::Prim(prim, on, vec![x, Atom::Const(Const::from_word(on, word))]))
+    Some(Simpler::Prim(prim, on, smallvec![x, Atom::Const(Const::from_word(on, word))]))
 }
 
 enum Simpler {
     Atom(Atom),
-    Prim(Prim, Scalar, Vec<Atom>),
+    Prim(Prim, Scalar, Args),
     No,
 }
 
@@ -285,12 +290,12 @@ fn never_entered(l: &Loop) -> bool {
 }
 
 /// `if c { yes } else { no }` as an operation on Bool.
-fn logic(cond: Atom, yes: Atom, no: Atom) -> Option<(Prim, Vec<Atom>)> {
+fn logic(cond: Atom, yes: Atom, no: Atom) -> Option<(Prim, Args)> {
     match (as_const(yes), as_const(no)) {
-        (Some(Const::Bool(true)), Some(Const::Bool(false))) => Some((Prim::And, vec![cond, yes])),
-        (Some(Const::Bool(false)), Some(Const::Bool(true))) => Some((Prim::Not, vec![cond])),
-        (Some(Const::Bool(true)), None) => Some((Prim::Or, vec![cond, no])),
-        (None, Some(Const::Bool(false))) => Some((Prim::And, vec![cond, yes])),
+        (Some(Const::Bool(true)), Some(Const::Bool(false))) => Some((Prim::And, smallvec![cond, yes])),
+        (Some(Const::Bool(false)), Some(Const::Bool(true))) => Some((Prim::Not, smallvec![cond])),
+        (Some(Const::Bool(true)), None) => Some((Prim::Or, smallvec![cond, no])),
+        (None, Some(Const::Bool(false))) => Some((Prim::And, smallvec![cond, yes])),
         _ => None,
     }
 }

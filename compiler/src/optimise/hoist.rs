@@ -6,8 +6,8 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::core::walk::{free_in_stmt, substitute};
-use crate::core::{Atom, Block, Const, Function, Intrinsic, Loop, Op, Program, Stmt, Var};
+use crate::core::walk::{substitute, uses};
+use crate::core::{Atom, Block, Const, Dst, Function, Intrinsic, Loop, Op, Program, Stmt, Var};
 
 /// Cost in additions up to which an operation may be evaluated for a loop that does not run.
 const CHEAP: u32 = 20;
@@ -52,8 +52,11 @@ fn before(f: &mut Function, l: &mut Loop, out: &mut Vec<Stmt>) {
 /// Statements of the block that depend on nothing in `changing` and that `wanted` accepts; the destinations of the
 /// others come to `changing`.
 fn take(block: &mut Block, changing: &mut FxHashSet<Var>, wanted: impl Fn(&Op) -> bool) -> Vec<Stmt> {
-    let depends =
-        |stmt: &Stmt, changing: &FxHashSet<Var>| free_in_stmt(stmt).iter().any(|v| changing.contains(v));
+    let depends = |stmt: &Stmt, changing: &FxHashSet<Var>| {
+        let mut any = false;
+        uses(stmt, &mut |v| any = any || changing.contains(&v));
+        any
+    };
     let (mut found, mut kept) = (Vec::new(), Vec::with_capacity(block.stmts.len()));
     for stmt in std::mem::take(&mut block.stmts) {
         if wanted(&stmt.op) && !depends(&stmt, changing) {
@@ -81,14 +84,14 @@ fn first_test(f: &mut Function, l: &Loop) -> Option<Block> {
 
 /// `if entered { stmts } else { zeros }`, with the destinations that the statements had.
 fn guard(f: &mut Function, stmts: Vec<Stmt>, entered: Atom) -> Stmt {
-    let dst: Vec<Var> = stmts.iter().flat_map(|s| s.dst.iter().copied()).collect();
+    let dst: Dst = stmts.iter().flat_map(|s| s.dst.iter().copied()).collect();
     let mut yes = Block { stmts, results: dst.iter().map(|v| Atom::Var(*v)).collect() };
     let mut values = FxHashMap::default();
     rename(f, &mut yes.stmts, &mut values);
     substitute(&mut yes, &|v| values.get(&v).copied());
     let zeros = dst.iter().map(|v| Atom::Const(Const::from_word(f.vars[v.0 as usize], 0))).collect();
     let no = Block { stmts: Vec::new(), results: zeros };
-    Stmt { dst, op: Op::If(entered, yes, no) }
+    Stmt { dst, op: Op::branch(entered, yes, no) }
 }
 
 /// Gives the statements' destinations new names, which come to `values`.

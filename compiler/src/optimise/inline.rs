@@ -14,8 +14,8 @@ use std::cell::Cell;
 
 use crate::core::graph::Graph;
 use crate::core::walk::{VarMap, calls, compact, relocate, size};
-use crate::core::{Atom, Block, FnId, Function, Mark, Op, Program, Scalar, Stmt, Var};
-use crate::split::tasks;
+use crate::core::{Atom, Block, Dst, FnId, Function, Mark, Op, Program, Scalar, Stmt, Var};
+use crate::split::tasks_of;
 
 /// Statements that a program may grow by for one call.
 const LIMIT: usize = 24;
@@ -32,7 +32,7 @@ pub fn inline(program: &mut Program) {
     // Copies take all variables of the callee along, so they should be those that it still has.
     program.functions.iter_mut().for_each(compact);
     let graph = Graph::new(&program.functions);
-    let is_task = tasks(program);
+    let is_task = tasks_of(program, &graph);
     let mut count = vec![0; program.functions.len()];
     for f in &program.functions {
         calls(&f.body.stmts).iter().for_each(|id| count[id.0 as usize] += 1);
@@ -193,7 +193,7 @@ struct Source {
 
 /// The call that a function is put in the place of.
 struct Call {
-    dst: Vec<Var>,
+    dst: Dst,
     results: Vec<Atom>,
     /// The caller's, when the call was met.
     room: usize,
@@ -249,7 +249,7 @@ impl Copy<'_> {
     }
 
     /// A function called once, its body moved into this variable space.
-    fn open(&mut self, f: usize, args: &[Atom], dst: Vec<Var>) -> Source {
+    fn open(&mut self, f: usize, args: &[Atom], dst: Dst) -> Source {
         let callee = std::mem::take(&mut self.functions[f]);
         let body = self.relocated(callee.body, &callee.params, &callee.vars, args);
         let call = Call { dst, results: body.results, room: self.room, written: self.written };

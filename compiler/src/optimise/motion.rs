@@ -6,8 +6,9 @@
 //!   `if` can still take in what [`sink`] moves.
 
 use rustc_hash::FxHashMap;
+use smallvec::smallvec;
 
-use crate::core::walk::{Free, VarMap, calls_any, free_in_stmt};
+use crate::core::walk::{VarMap, calls_any, uses, uses_in, vars_of};
 use crate::core::{Atom, Block, Function, Op, Prim, Program, Stmt, Var};
 use crate::split::tasks;
 
@@ -38,15 +39,13 @@ struct Sites {
 }
 
 impl Sites {
-    fn note(&mut self, vars: &[Var], site: Site) {
-        for v in vars {
-            match self.of.get(*v) {
-                Some(known) if known == site => {}
-                Some(_) => self.of.insert(*v, Site::Elsewhere),
-                None => {
-                    self.of.insert(*v, site);
-                    self.noted.push(*v);
-                }
+    fn note(&mut self, v: Var, site: Site) {
+        match self.of.get(v) {
+            Some(known) if known == site => {}
+            Some(_) => self.of.insert(v, Site::Elsewhere),
+            None => {
+                self.of.insert(v, site);
+                self.noted.push(v);
             }
         }
     }
@@ -66,9 +65,7 @@ struct Sinker<'a> {
 
 impl Sinker<'_> {
     fn block(&mut self, block: &mut Block, depth: usize) {
-        let mut results = Free::default();
-        results.atoms(&block.results);
-        self.sites.note(&results.vars(), Site::Elsewhere);
+        vars_of(block.results.iter().copied()).for_each(|v| self.sites.note(v, Site::Elsewhere));
 
         // From the last statement to the first, so that a moved statement takes its operands along.
         let mut moved: FxHashMap<(usize, usize), Vec<Stmt>> = FxHashMap::default();
@@ -105,18 +102,16 @@ fn may_move(stmt: &Stmt, is_task: &[bool], depth: usize) -> bool {
 
 fn note_uses(sites: &mut Sites, at: usize, stmt: &Stmt, target: Option<(usize, usize)>) {
     if let Some((at, branch)) = target {
-        return sites.note(&free_in_stmt(stmt), Site::Branch(at, branch));
+        return uses(stmt, &mut |v| sites.note(v, Site::Branch(at, branch)));
     }
     let Op::If(cond, yes, no) = &stmt.op else {
-        return sites.note(&free_in_stmt(stmt), Site::Elsewhere);
+        return uses(stmt, &mut |v| sites.note(v, Site::Elsewhere));
     };
     if let Atom::Var(v) = cond {
-        sites.note(&[*v], Site::Elsewhere);
+        sites.note(*v, Site::Elsewhere);
     }
     for (branch, block) in [yes, no].into_iter().enumerate() {
-        let mut free = Free::default();
-        free.block(block);
-        sites.note(&free.vars(), Site::Branch(at, branch));
+        uses_in(block, &mut |v| sites.note(v, Site::Branch(at, branch)));
     }
 }
 
@@ -147,8 +142,8 @@ fn choose_in(f: &Function, block: &mut Block) {
         match &stmt.op {
             Op::If(cond, yes, no) if yes.stmts.is_empty() && no.stmts.is_empty() => {
                 for ((v, yes), no) in stmt.dst.iter().zip(&yes.results).zip(&no.results) {
-                    let op = Op::Prim(Prim::Select, f.vars[v.0 as usize], vec![*no, *yes, *cond]);
-                    stmts.push(Stmt { dst: vec![*v], op });
+                    let op = Op::Prim(Prim::Select, f.vars[v.0 as usize], smallvec![*no, *yes, *cond]);
+                    stmts.push(Stmt { dst: smallvec![*v], op });
                 }
             }
             _ => stmts.push(stmt),

@@ -8,7 +8,7 @@ use crate::core::graph::Graph;
 use crate::core::names::Names;
 use crate::core::walk::{Free, Renumber, calls_any};
 use crate::core::{Atom, Block, FnId, Function, Mark, Op, Program, Stmt};
-use crate::split::tasks;
+use crate::split::tasks_of;
 
 /// Nesting allowed in all.
 const DEEPEST: usize = 32;
@@ -18,11 +18,12 @@ const SHALLOW: usize = 16;
 const LOOP: usize = 3;
 
 pub fn bound(program: &mut Program) {
-    let is_task = tasks(program);
+    let graph = Graph::new(&program.functions);
+    let is_task = tasks_of(program, &graph);
     let names = Names::of(&program.functions);
     let heights = vec![0; program.functions.len()];
     let mut bounder = Bounder { heights, is_task, names, found: Vec::new() };
-    for f in Graph::new(&program.functions).bottom_up {
+    for f in graph.bottom_up {
         let mut function = std::mem::take(&mut program.functions[f]);
         let mut body = std::mem::take(&mut function.body);
         let height = bounder.block(&mut function, &mut body, 0);
@@ -88,7 +89,7 @@ impl Bounder {
         block.results = dst.iter().map(|v| Atom::Var(*v)).collect();
         let id = FnId(self.heights.len() as u32);
         let args = params.into_iter().map(Atom::Var).collect();
-        block.stmts.push(Stmt { dst, op: Op::Call(id, args) });
+        block.stmts.push(Stmt { dst: dst.into(), op: Op::Call(id, args) });
         self.found.push(task);
         self.heights.push(0);
         self.is_task.push(true);

@@ -17,7 +17,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::live::{copy, free, is_cheap, prune, sink, tail_size, vars_of};
 use crate::core::names::Names;
 use crate::core::walk::{Free, Renumber, calls_any, free_in_stmt, uses};
-use crate::core::{Atom, Block, Function, Mark, Op, Stmt, Var};
+use crate::core::{Args, Atom, Block, Dst, Function, Mark, Op, Stmt, Var};
 use crate::table::{Emission, Tail, TailBlock, TaskId, Token};
 
 /// Statements of a join that a branch without task calls evaluates itself, which saves a rewrite.
@@ -80,7 +80,7 @@ impl Finish {
 
 /// A task call on its way into an emission.
 struct Group {
-    dst: Vec<Var>,
+    dst: Dst,
     tokens: Emission,
 }
 
@@ -211,7 +211,7 @@ impl Splitter<'_> {
             let is_if = matches!(ready.as_slice(), [Stmt { op: Op::If(..), .. }]);
             after = match ready.pop() {
                 Some(Stmt { dst, op: Op::If(cond, yes, no) }) if is_if => {
-                    self.exits(f, before, &dst, (cond, yes, no), after)
+                    self.exits(f, before, &dst, (cond, *yes, *no), after)
                 }
                 last => {
                     ready.extend(last);
@@ -319,7 +319,7 @@ impl Splitter<'_> {
     }
 
     /// Makes a statement a function of its own; its arguments here.
-    fn outline(&mut self, f: usize, stmt: &Stmt) -> (usize, Vec<Atom>) {
+    fn outline(&mut self, f: usize, stmt: &Stmt) -> (usize, Args) {
         let params = free_in_stmt(stmt);
         let args = params.iter().map(|v| Atom::Var(*v)).collect();
         let from = &self.functions[f];
@@ -369,7 +369,7 @@ fn late(levels: &mut [Level], results: &[Atom]) {
                 *known = place.min(*known);
             });
             if moves {
-                let stmt = std::mem::replace(&mut before[i], Stmt { dst: Vec::new(), op: Op::Live(0) });
+                let stmt = std::mem::replace(&mut before[i], Stmt { dst: Dst::new(), op: Op::Live(0) });
                 moved.push((first, stmt));
             }
         }

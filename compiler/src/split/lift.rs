@@ -5,13 +5,14 @@
 //! `sum(lo, hi) = if hi - lo <= 1 { body(lo) } else { sum(lo, mid) + sum(mid, hi) }` for `lo < hi`.
 
 use rustc_hash::FxHashSet;
+use smallvec::smallvec;
 
-use super::tasks;
+use super::{tasks, tasks_of};
 use crate::core::graph::Graph;
 use crate::core::names::Names;
 use crate::core::walk::{Free, Renumber, calls_any, statements};
 use crate::core::{
-    Atom, Block, Const, FnId, Function, Loop, LoopKind, Mark, Op, Prim, Program, Scalar, Stmt, Var,
+    Atom, Block, Const, Dst, FnId, Function, Loop, LoopKind, Mark, Op, Prim, Program, Scalar, Stmt, Var,
 };
 
 /// Lifts all such loops of the program, outermost first; inner ones are lifted out of the new functions.
@@ -33,10 +34,10 @@ pub fn has_long_loops(program: &Program, most: u64) -> bool {
 
 /// Which functions are tasks once long loops are, how many turns the others make, and whether any loop is long.
 fn measure(program: &Program, most: u64) -> (Vec<bool>, Turns, bool) {
-    let mut is_task = tasks(program);
+    let graph = Graph::new(&program.functions);
+    let mut is_task = tasks_of(program, &graph);
     let mut turns = Turns { of: vec![0; is_task.len()], most };
     let mut any = false;
-    let graph = Graph::new(&program.functions);
     for &f in &graph.bottom_up {
         let stmts = &program.functions[f].body.stmts;
         let mut has_long = false;
@@ -123,7 +124,7 @@ impl Lifter {
         [&l.cond, &l.body].iter().any(|block| calls_any(&block.stmts, &self.is_task))
     }
 
-    fn lift(&mut self, f: &mut Function, dst: Vec<Var>, l: &Loop, stmts: &mut Vec<Stmt>) {
+    fn lift(&mut self, f: &mut Function, dst: Dst, l: &Loop, stmts: &mut Vec<Stmt>) {
         // Without calls a turn is much cheaper than a leaf of the tree.
         match Sum::of(l).filter(|_| self.calls_task(l)) {
             Some(sum) => self.lift_sum(f, dst, l, &sum, stmts),
@@ -156,7 +157,7 @@ impl Lifter {
     }
 
     /// `go(state) = if cond(state) { go(body(state)) } else { state }`.
-    fn lift_fold(&mut self, f: &mut Function, dst: Vec<Var>, l: &Loop, stmts: &mut Vec<Stmt>) {
+    fn lift_fold(&mut self, f: &mut Function, dst: Dst, l: &Loop, stmts: &mut Vec<Stmt>) {
         let state: Vec<_> = l.state.iter().map(|(v, _)| *v).collect();
         let captured = captured(l);
         let id = self.add(f, "loop", |id, go| {
@@ -165,21 +166,21 @@ impl Lifter {
             let mut yes = l.body.clone();
             let args = yes.results.iter().copied().chain(atoms(&captured)).collect();
             let next: Vec<_> = go.results.clone().into_iter().map(|s| go.fresh(s)).collect();
-            yes.stmts.push(Stmt { dst: next.clone(), op: Op::Call(id, args) });
+            yes.stmts.push(Stmt { dst: next.clone().into(), op: Op::Call(id, args) });
             yes.results = atoms(&next).collect();
             let no = Block { stmts: Vec::new(), results: atoms(&state).collect() };
             let last: Vec<_> = go.results.clone().into_iter().map(|s| go.fresh(s)).collect();
             let mut body = l.cond.clone();
             let cond = body.results[0];
-            body.stmts.push(Stmt { dst: last.clone(), op: Op::If(cond, yes, no) });
+            body.stmts.push(Stmt { dst: last.clone().into(), op: Op::branch(cond, yes, no) });
             body.results = atoms(&last).collect();
             go.body = body;
         });
         let args = l.state.iter().map(|(_, init)| *init).chain(atoms(&captured)).collect();
-        stmts.push(Stmt { dst, op: Op::Call(id, args) });
+        stmts.push(Stmt { dst: dst.into(), op: Op::Call(id, args) });
     }
 
-    fn lift_sum(&mut self, f: &mut Function, dst: Vec<Var>, l: &Loop, sum: &Sum, stmts: &mut Vec<Stmt>) {
+    fn lift_sum(&mut self, f: &mut Function, dst: Dst, l: &Loop, sum: &Sum, stmts: &mut Vec<Stmt>) {
         let index = l.state[0].0;
         let bound: FxHashSet<_> = l.state.iter().map(|(v, _)| *v).collect();
         let mut free = Free::default();
@@ -191,17 +192,17 @@ impl Lifter {
 
         // What surrounds the tree: an empty range gives the first value, else that is added to the tree's.
         let (lo, hi) = (l.state[0].1, sum.limit);
-        stmts.push(Stmt { dst: vec![dst[0]], op: Op::Prim(Prim::Max, Scalar::I32, vec![lo, hi]) });
+        stmts.push(Stmt { dst: smallvec![dst[0]], op: Op::Prim(Prim::Max, Scalar::I32, smallvec![lo, hi]) });
         let some = f.fresh(Scalar::Bool);
-        stmts.push(Stmt { dst: vec![some], op: Op::Prim(Prim::Lt, Scalar::I32, vec![lo, hi]) });
+        stmts.push(Stmt { dst: smallvec![some], op: Op::Prim(Prim::Lt, Scalar::I32, smallvec![lo, hi]) });
         let inits: Vec<_> = l.state[1..].iter().map(|(_, init)| *init).collect();
         let tree: Vec<_> = scalars.iter().map(|s| f.fresh(*s)).collect();
         let args = [lo, hi].into_iter().chain(atoms(&captured)).collect();
         let mut yes = Block::default();
-        yes.stmts.push(Stmt { dst: tree.clone(), op: Op::Call(id, args) });
+        yes.stmts.push(Stmt { dst: tree.clone().into(), op: Op::Call(id, args) });
         yes.results = add_words(f, &mut yes.stmts, &scalars, &inits, &atoms(&tree).collect::<Vec<_>>());
         let no = Block { stmts: Vec::new(), results: inits };
-        stmts.push(Stmt { dst: dst[1..].to_vec(), op: Op::If(Atom::Var(some), yes, no) });
+        stmts.push(Stmt { dst: dst[1..].into(), op: Op::branch(Atom::Var(some), yes, no) });
     }
 }
 
@@ -233,7 +234,7 @@ fn add_words(
             continue;
         }
         let sum = f.fresh(*scalar);
-        stmts.push(Stmt { dst: vec![sum], op: Op::Prim(Prim::Add, *scalar, vec![*a, *b]) });
+        stmts.push(Stmt { dst: smallvec![sum], op: Op::Prim(Prim::Add, *scalar, smallvec![*a, *b]) });
         sums.push(Atom::Var(sum));
     }
     sums
@@ -246,7 +247,7 @@ fn build_tree(tree: &mut Function, id: FnId, lo: Var, captured: &[Var], scalars:
     let mut stmts = Vec::new();
     let prim = |tree: &mut Function, stmts: &mut Vec<Stmt>, prim: Prim, on: Scalar, args: &[Atom]| {
         let dst = tree.fresh(prim.result(on));
-        stmts.push(Stmt { dst: vec![dst], op: Op::Prim(prim, on, args.to_vec()) });
+        stmts.push(Stmt { dst: smallvec![dst], op: Op::Prim(prim, on, args.into()) });
         Atom::Var(dst)
     };
 
@@ -264,7 +265,7 @@ fn build_tree(tree: &mut Function, id: FnId, lo: Var, captured: &[Var], scalars:
     let mut part = |tree: &mut Function, from: Atom, to: Atom| {
         let dst: Vec<_> = scalars.iter().map(|s| tree.fresh(*s)).collect();
         let args = [from, to].into_iter().chain(atoms(captured)).collect();
-        no.stmts.push(Stmt { dst: dst.clone(), op: Op::Call(id, args) });
+        no.stmts.push(Stmt { dst: dst.clone().into(), op: Op::Call(id, args) });
         atoms(&dst).collect::<Vec<_>>()
     };
     let left = part(tree, lo, mid);
@@ -272,7 +273,7 @@ fn build_tree(tree: &mut Function, id: FnId, lo: Var, captured: &[Var], scalars:
     no.results = add_words(tree, &mut no.stmts, scalars, &left, &right);
 
     let dst: Vec<_> = scalars.iter().map(|s| tree.fresh(*s)).collect();
-    stmts.push(Stmt { dst: dst.clone(), op: Op::If(is_leaf, leaf.clone(), no) });
+    stmts.push(Stmt { dst: dst.clone().into(), op: Op::branch(is_leaf, leaf.clone(), no) });
     tree.body = Block { stmts, results: atoms(&dst).collect() };
 }
 
@@ -300,7 +301,9 @@ impl Sum {
             return None;
         }
         let next = definition(&l.body, *l.body.results.first()?)?;
-        if next.op != Op::Prim(Prim::Add, Scalar::I32, vec![Atom::Var(index), Atom::Const(Const::I32(1))]) {
+        if next.op
+            != Op::Prim(Prim::Add, Scalar::I32, smallvec![Atom::Var(index), Atom::Const(Const::I32(1))])
+        {
             return None;
         }
         let mut leaf = l.body.clone();
@@ -323,7 +326,7 @@ fn state_after_index(l: &Loop) -> impl Iterator<Item = (Var, Atom)> + '_ {
 
 fn definition(block: &Block, atom: Atom) -> Option<&Stmt> {
     let Atom::Var(v) = atom else { return None };
-    block.stmts.iter().find(|s| s.dst == [v])
+    block.stmts.iter().find(|s| s.dst[..] == [v])
 }
 
 /// The word that `stmt` adds to the accumulator.

@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::core::walk::{Free, Renumber, free_in_stmt, size};
+use crate::core::walk::{Free, Renumber, free_in_stmt, size, uses};
 use crate::core::{Atom, Op, Stmt, Var};
 use crate::table::{Tail, TailBlock, Token};
 
@@ -70,19 +70,40 @@ pub fn tail_size(block: &TailBlock) -> usize {
 
 /// Removes statements whose results the block does not use.
 pub fn prune(block: &mut TailBlock) {
-    if let Tail::If(_, yes, no) = &mut block.tail {
-        prune(yes);
-        prune(no);
-    }
-    let stmts = std::mem::take(&mut block.stmts);
-    let mut used: FxHashSet<Var> = free(block).into_iter().collect();
-    for stmt in stmts.into_iter().rev() {
+    used_when_pruned(block);
+}
+
+/// Prunes the block; the variables that it then uses, its own among them.
+fn used_when_pruned(block: &mut TailBlock) -> FxHashSet<Var> {
+    let mut used: FxHashSet<Var> = match &mut block.tail {
+        Tail::If(cond, yes, no) => {
+            let (mut more, mut less) = (used_when_pruned(yes), used_when_pruned(no));
+            if more.len() < less.len() {
+                std::mem::swap(&mut more, &mut less);
+            }
+            more.extend(less);
+            more.extend(vars_of(&[*cond]));
+            more
+        }
+        Tail::Emit(emission) => {
+            let literals = emission.iter().filter_map(|token| match token {
+                Token::Literal(Atom::Var(v)) => Some(*v),
+                _ => None,
+            });
+            literals.collect()
+        }
+        Tail::Again(args) => vars_of(args).collect(),
+    };
+    for stmt in std::mem::take(&mut block.stmts).into_iter().rev() {
         if stmt.dst.iter().any(|v| used.contains(v)) {
-            used.extend(free_in_stmt(&stmt));
+            uses(&stmt, &mut |v| {
+                used.insert(v);
+            });
             block.stmts.push(stmt);
         }
     }
     block.stmts.reverse();
+    used
 }
 
 /// The statements of `before` that a continuation with body `block` should evaluate itself, chosen so that it has

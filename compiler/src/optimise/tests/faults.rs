@@ -1,7 +1,9 @@
 //! Each pass with a fault planted in its result: the verifier or the comparison with the unoptimised program finds it.
 
+use smallvec::smallvec;
+
 use super::super::{PASSES, Pass};
-use crate::core::{Atom, Block, Const, Op, Prim, Program, Scalar, parse, verify};
+use crate::core::{Args, Atom, Block, Const, Op, Prim, Program, Scalar, parse, verify};
 use crate::interpret::{self, Stopped};
 use crate::random::{self, Random, TestHost};
 
@@ -130,7 +132,7 @@ const FAULTS: &[(&str, &str, Pass, Pass)] = &[
                     if let (Op::Prim(Prim::Add, Scalar::U32, args), Some(first)) = (&mut stmt.op, &first)
                         && stmt.dst != first.dst
                     {
-                        *args = vec![Atom::Var(first.dst[0]), Atom::Const(Const::U32(0))];
+                        *args = smallvec![Atom::Var(first.dst[0]), Atom::Const(Const::U32(0))];
                     }
                 }
             });
@@ -195,7 +197,7 @@ fn swap_known_branches(program: &mut Program) {
 
 /// Each function's later constants become those of the call seen first.
 fn first_call_for_all(program: &mut Program) {
-    let mut first: Vec<Option<Vec<Atom>>> = vec![None; program.functions.len()];
+    let mut first: Vec<Option<Args>> = vec![None; program.functions.len()];
     ops(program, |op| {
         if let Op::Call(id, args) = op {
             let first = first[id.0 as usize].get_or_insert_with(|| args.clone());

@@ -201,5 +201,5 @@ fn no_meaning(prim: Prim) -> RunError {
 /// Does `stmt` assign to `var` a comparison that a jump can make itself?
 pub fn is_comparison(stmt: &Stmt, var: Var) -> bool {
     let Op::Prim(prim, scalar, args) = &stmt.op else { return false };
-    stmt.dst == [var] && args.len() == 2 && instruction::jump_if(*prim, *scalar, 0, 0, 0).is_some()
+    stmt.dst[..] == [var] && args.len() == 2 && instruction::jump_if(*prim, *scalar, 0, 0, 0).is_some()
 }

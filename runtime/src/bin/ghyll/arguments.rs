@@ -459,7 +459,7 @@ pub struct Bench {
     /// series of `scaling`, whose name contains this.
     #[arg(long, value_name = "SUBSTRING")]
     pub only: Option<String>,
-    /// Size of the pictures in pixels: of `accuracy`, 160x120 if absent, `table1` and `scaling`, 128x128; of
+    /// Size of the pictures in pixels: of `accuracy`, 160x120 if absent, `table1`, 128x128, and `scaling`, 96x96; of
     /// `numerics`: values of each function, 256x256.
     #[arg(long, value_name = "WxH", value_parser = dimensions, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,

@@ -28,20 +28,18 @@ impl Form {
 
     /// The network from one of its entries: `pixel`, `distance_found` or `direction`.
     pub fn compiled(self, entry: &str) -> Result<(Checked, Compiled), Failure> {
-        self.searching(entry, None)
+        self.compiled_with(entry, &[])
     }
 
-    /// The same with another number of pieces and halvings for the search.
-    pub fn searching(self, entry: &str, search: Option<(u32, u32)>) -> Result<(Checked, Compiled), Failure> {
+    /// The same with other values for some parameters.
+    pub fn compiled_with(self, entry: &str, others: &[(&str, &str)]) -> Result<(Checked, Compiled), Failure> {
         let lighting = if self.dynamic { "sunlit" } else { "stored" };
         let flags = [("detail", self.detail), ("exact", self.exact), ("work", self.work)];
         let mut set: Vec<_> =
             flags.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
         set.push(("lighting".into(), lighting.into()));
-        if let Some((steps, refinements)) = search {
-            set.push(("steps".into(), steps.to_string()));
-            set.push(("refinements".into(), refinements.to_string()));
-        }
+        set.retain(|(name, _)| others.iter().all(|(other, _)| other != name));
+        set.extend(others.iter().map(|(name, value)| (name.to_string(), value.to_string())));
         let entry = Some(entry.to_string());
         let options = Options { entry, want: Some(EntryKind::Image), set, ..Options::default() };
         program_with("table1/network", NETWORK, &options)

@@ -112,7 +112,7 @@ impl Series {
 }
 
 pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure> {
-    let size = arguments.size.map_or((128, 128), |[width, height]| (width, height));
+    let size = arguments.size.map_or((96, 96), |[width, height]| (width, height));
     let scene = sites::aconcagua()?.seen(&sites::VIEWS[0], size)?;
     let mut seats = machines(arguments.on, gpu)?;
     if arguments.on == On::Auto && gpu.is_some() {
@@ -159,7 +159,7 @@ fn measured(
     machine: &Machine,
     repeat: u32,
 ) -> Result<Vec<Series>, Failure> {
-    let (checked, compiled) = form.compiled("pixel")?;
+    let (checked, compiled) = form.compiled_with("pixel", &[("lighting", "plain")])?;
     let job = Job { checked: &checked, compiled: &compiled, scene: Some(scene) };
     struct Subject {
         series: usize,

@@ -58,8 +58,8 @@ impl charts::Panel for Panel {
         let points = || self.curves.iter().flat_map(|(_, points)| points).chain([&self.trace]);
         let ranges = (range(points().map(|p| p.0), 1.3), range(points().map(|p| p.1), 3.0));
         let labels = (
-            &Label { text: "ms a frame", number: plain },
-            &Label { text: "error, footprints", number: powers },
+            &Label { text: "ms a frame", number: plain, base: 10.0 },
+            &Label { text: "error, footprints", number: powers, base: 10.0 },
         );
         let mut chart = axes(area, &self.title, labels, ranges)?;
         for ((halvings, points), color) in self.curves.iter().zip(COLORS.into_iter().cycle()) {

@@ -33,7 +33,8 @@ impl Panel for Bars {
 
     fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
         let most = self.bars.iter().map(Bar::total).fold(1e-9, f64::max);
-        let count = self.bars.len() as f64;
+        // The legend has a place below the bars.
+        let count = 1.16 * self.bars.len() as f64;
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, (FONT, 16))
             .margin(10)

@@ -12,6 +12,8 @@ pub type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<Axis, Axis>>;
 pub struct Label {
     pub text: &'static str,
     pub number: fn(f64) -> String,
+    /// Of the logarithm: numbers are written at its powers.
+    pub base: f64,
 }
 
 pub fn plain(x: f64) -> String {
@@ -44,7 +46,7 @@ pub fn axes<'a, B: DrawingBackend>(
         .margin(10)
         .x_label_area_size(36)
         .y_label_area_size(60)
-        .build_cartesian_2d((left..right).log_scale(), (low..high).log_scale())?;
+        .build_cartesian_2d((left..right).log_scale().base(x.base), (low..high).log_scale().base(y.base))?;
     chart
         .configure_mesh()
         .x_desc(x.text)

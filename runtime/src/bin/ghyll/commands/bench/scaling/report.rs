@@ -69,8 +69,8 @@ fn panels(all: &[Series]) -> Vec<Lines> {
         let backend = own[0].backend;
         let panel = |title: &str, y: &'static str, number: fn(f64) -> String, curves| Lines {
             title: format!("{title}, {backend}{}", fixed(axis)),
-            x: Label { text: axis.name(), number: whole },
-            y: Label { text: y, number },
+            x: Label { text: axis.name(), number: whole, base: 2.0 },
+            y: Label { text: y, number, base: 2.0 },
             curves,
         };
         let times = curves(&|series, at| Some(series.points[at].1[0]));

@@ -17,7 +17,7 @@ use std::time::Instant;
 /// Pixels whose distances are judged.
 const JUDGED: (u32, u32) = (32, 24);
 /// Pieces and halvings of the search that helps to judge detailed geometry.
-const FINEST: (u32, u32) = (4096, 20);
+const FINEST: &[(&str, &str)] = &[("steps", "4096"), ("refinements", "20")];
 
 /// Where it is measured.
 pub struct Seat<'a> {
@@ -123,7 +123,7 @@ fn distances(seat: &Seat, form: Form) -> Result<Distances, Failure> {
     let [traced, searched] = [true, false].map(|exact| Form { exact, ..form });
     let real: Vec<f64> = if form.detail {
         let exact = draw(&traced.compiled("distance_found")?)?;
-        let fine = draw(&searched.searching("distance_found", Some(FINEST))?)?;
+        let fine = draw(&searched.compiled_with("distance_found", FINEST)?)?;
         exact.data.iter().zip(&fine.data).map(|(a, b)| f64::from(first(*a, *b))).collect()
     } else {
         let directions = draw(&traced.compiled("direction")?)?;

@@ -3,8 +3,9 @@
 /// System overhead to handle stream rewriting, in milliseconds.
 pub const OVERHEAD: f64 = 65.0;
 
-/// Average milliseconds a frame by terrain (Terrain1, Terrain2, Fuji, Everest), geometry (basic, detail) and lighting
-/// (static, dynamic).
+pub const TERRAINS: [&str; 4] = ["Terrain1", "Terrain2", "Fuji", "Everest"];
+
+/// Average milliseconds a frame by terrain, geometry (basic, detail) and lighting (static, dynamic).
 const AVERAGE: [[[f64; 2]; 2]; 4] = [
     [[99.5, 101.1], [136.5, 136.9]],
     [[98.8, 99.8], [136.4, 136.3]],

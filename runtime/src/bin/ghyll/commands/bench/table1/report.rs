@@ -78,25 +78,30 @@ pub fn markdown(cells: &[Cell], ratios: &[Ratio], (width, height): (u32, u32)) -
 }
 
 fn panels(cells: &[Cell]) -> Vec<Bars> {
-    let bars = |title: String, own: &[&Cell], parts: &dyn Fn(&Cell) -> [f64; 2]| {
-        let bar = |cell: &&Cell| Bar {
-            name: format!("{}, {}, {}", cell.terrain_name, cell.form.geometry(), cell.form.lighting()),
-            parts: parts(cell),
+    let bars = |title: &str, own: &[&Cell], bar: &dyn Fn(&Cell) -> (String, [f64; 2])| {
+        let bar = |cell: &&Cell| {
+            let (terrain, parts) = bar(cell);
+            let name = format!("{terrain}, {}, {}", cell.form.geometry(), cell.form.lighting());
+            Bar { name, parts }
         };
         let bars = own.iter().map(bar).collect();
-        Bars { title, unit: "ms a frame", parts: ["stages", "rewriting"], bars }
+        Bars { title: title.into(), unit: "ms a frame", parts: ["stages", "rewriting"], bars }
     };
     let mut panels = Vec::new();
     for way in WAYS {
         let own = of(*way, cells);
         if !own.is_empty() {
-            panels.push(bars(way.name.into(), &own, &|cell| [cell.net().max(0.0), cell.overhead]));
+            let bar = |cell: &Cell| (cell.terrain_name.clone(), [cell.net().max(0.0), cell.overhead]);
+            panels.push(bars(way.name, &own, &bar));
         }
     }
     let all = of(WAYS[0], cells);
     if !all.is_empty() {
-        let net = |cell: &Cell| [cell.paper_average() - paper::OVERHEAD, paper::OVERHEAD];
-        panels.push(bars("the paper, GTX TITAN".into(), &all, &net));
+        let bar = |cell: &Cell| {
+            let parts = [cell.paper_average() - paper::OVERHEAD, paper::OVERHEAD];
+            (paper::TERRAINS[cell.terrain].to_string(), parts)
+        };
+        panels.push(bars("the paper, GTX TITAN", &all, &bar));
     }
     panels
 }

@@ -177,7 +177,7 @@ impl Lifter {
             go.body = body;
         });
         let args = l.state.iter().map(|(_, init)| *init).chain(atoms(&captured)).collect();
-        stmts.push(Stmt { dst: dst.into(), op: Op::Call(id, args) });
+        stmts.push(Stmt { dst, op: Op::Call(id, args) });
     }
 
     fn lift_sum(&mut self, f: &mut Function, dst: Dst, l: &Loop, sum: &Sum, stmts: &mut Vec<Stmt>) {

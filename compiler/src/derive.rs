@@ -72,6 +72,7 @@ fn fill_by(
         gradients,
         values: HashMap::new(),
         open: HashSet::new(),
+        complete: HashSet::new(),
         activity: Activity::default(),
         derived: HashMap::new(),
         queue: Vec::new(),
@@ -101,6 +102,8 @@ struct Derive<'a> {
     values: HashMap<FnId, usize>,
     /// Requests whose function is being made ready.
     open: HashSet<FnId>,
+    /// Functions that reach no hole.
+    complete: HashSet<FnId>,
     activity: Activity,
     derived: HashMap<Key, FnId>,
     /// Derived functions that are called but not written yet.
@@ -120,13 +123,15 @@ impl Derive<'_> {
         if !self.open.insert(request.hole) {
             return self.endless(request);
         }
-        for inner in self.holes_below(request.base) {
+        let (below, holes) = self.below(request.base);
+        for inner in holes {
             let inner = self.requests[&inner];
             self.request(inner);
         }
         if !self.errors.is_empty() {
             return;
         }
+        self.complete.extend(below);
         self.span = Some(request.span);
         let base = self.functions[request.base.0 as usize].clone().expect("the holes below are filled");
         let still = base.params.len() - request.directions;
@@ -212,17 +217,21 @@ impl Derive<'_> {
         self.functions[hole.0 as usize] = Some(function);
     }
 
-    /// Unfilled requests that a function reaches, in the order of their calls.
-    fn holes_below(&self, base: FnId) -> Vec<FnId> {
+    /// Functions that a function reaches and that may reach a hole; the unfilled requests among them, in the order of
+    /// their calls.
+    fn below(&self, base: FnId) -> (HashSet<FnId>, Vec<FnId>) {
         let mut seen = HashSet::from([base]);
         let (mut pending, mut holes) = (vec![base], Vec::new());
         while let Some(id) = pending.pop() {
             match &self.functions[id.0 as usize] {
-                Some(f) => pending.extend(calls(&f.body.stmts).into_iter().filter(|id| seen.insert(*id))),
+                Some(f) => {
+                    let called = calls(&f.body.stmts).into_iter();
+                    pending.extend(called.filter(|id| !self.complete.contains(id) && seen.insert(*id)));
+                }
                 None => holes.push(id),
             }
         }
-        holes
+        (seen, holes)
     }
 
     /// The derived function for a call, written later if it is new.

@@ -13,9 +13,13 @@ pub(super) type Mask = u8;
 #[derive(Default)]
 pub(super) struct Activity {
     results: HashMap<(FnId, Vec<Mask>), Vec<Mask>>,
+    /// Of what nothing more will be found.
+    done: HashSet<(FnId, Vec<Mask>)>,
     /// Seen in this round; recursive calls use what is known of the round before.
     seen: HashSet<(FnId, Vec<Mask>)>,
     grown: bool,
+    /// A function that is not written yet was met in this round.
+    met_hole: bool,
 }
 
 impl Activity {
@@ -29,9 +33,13 @@ impl Activity {
     ) -> Vec<Mask> {
         loop {
             self.seen.clear();
-            self.grown = false;
+            (self.grown, self.met_hole) = (false, false);
             let found = self.body(rules, functions, f, moving);
             if !self.grown {
+                // What was seen calls nothing but what was seen, so all of it agrees.
+                if !self.met_hole {
+                    self.done.extend(self.seen.drain());
+                }
                 return found;
             }
         }
@@ -70,8 +78,14 @@ impl Activity {
         moving: Vec<Mask>,
     ) -> Vec<Mask> {
         let key = (id, moving);
-        let Some(f) = &functions[id.0 as usize] else { return Vec::new() };
+        let Some(f) = &functions[id.0 as usize] else {
+            self.met_hole = true;
+            return Vec::new();
+        };
         let known = self.results.get(&key).cloned().unwrap_or_else(|| vec![0; f.results.len()]);
+        if self.done.contains(&key) {
+            return known;
+        }
         if key.1.iter().all(|m| *m == 0) || !self.seen.insert(key.clone()) {
             return known;
         }

@@ -219,6 +219,20 @@ pub fn slopes(bytes: usize) -> Vec<Text> {
                 )
             ),
         ),
+        chain(
+            "derivatives of the last in branches",
+            "fn f0(x: f32) -> f32 = x * x;",
+            "fn f#(x: f32) -> f32 = if x > #.0 { deriv(f%)(x) } else { f%(x * 2.0) };\n",
+            "fn main(x: f32) -> f32 = f$(x);",
+            bytes,
+        ),
+        grown(
+            "some derivatives of the last in branches",
+            "fn f0(x: f32) -> f32 = x * x;",
+            "fn f#(x: f32) -> f32 = if x > #.0 { deriv(f%)(x) } else { f%(x * 2.0) };\n",
+            "fn main(x: f32) -> f32 = f$(x);",
+            60,
+        ),
         grown(
             "rays to surfaces of two of the last",
             "use terrain; fn s0(p: vec2) -> f32 = bilinear(p);",

@@ -89,6 +89,19 @@ pub fn fields(bytes: usize) -> Vec<Text> {
                 "n, ".repeat(2 * half)
             )
         }),
+        text("alternatives in each column of wide rows", {
+            let row = format!("({} 1)", "1 | 2, ".repeat(WIDE / 2));
+            let rows = vec![row.as_str(); bytes / row.len() + 1].join(" | ");
+            format!(
+                "fn main(n: i32) -> i32 = match ({} n) {{ {rows} => 1, _ => 0 }};",
+                "n, ".repeat(WIDE / 2)
+            )
+        }),
+        text("arms of alternatives in each column", {
+            let row = |i: usize| format!("({} {i}) => {i}, ", "1 | 2, ".repeat(WIDE / 2));
+            let rows = each(bytes / row(1).len() + 1, row);
+            format!("fn main(n: i32) -> i32 = match ({} n) {{ {rows} _ => 0 }};", "n, ".repeat(WIDE / 2))
+        }),
         text(
             "a struct too wide, built by names",
             format!(

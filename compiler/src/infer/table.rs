@@ -89,7 +89,7 @@ pub struct Table<'e> {
 }
 
 /// Most nodes of one body.
-const MOST_NODES: usize = 4_000_000;
+const MOST_NODES: usize = 2_000_000;
 
 /// Forms that every table begins with, so that their handles are constants.
 const FIXED: [Form; 13] = [

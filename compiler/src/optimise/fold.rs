@@ -23,6 +23,43 @@ pub fn fold(program: &mut Program) {
 /// An operation of one or two operands; the first stands twice if there is one.
 type Definition = (Prim, Scalar, [Atom; 2]);
 
+/// The statements of a block on their way through, in one place: those that are kept come to where others were read.
+#[derive(Default)]
+struct Kept {
+    stmts: Vec<Stmt>,
+    read: usize,
+    written: usize,
+    /// What comes after those that were written, once there was no place left.
+    more: Vec<Stmt>,
+}
+
+impl Kept {
+    fn next(&mut self) -> Option<Stmt> {
+        let stmt = self.stmts.get_mut(self.read)?;
+        self.read += 1;
+        Some(std::mem::replace(stmt, Stmt { dst: Dst::new(), op: Op::Live(0) }))
+    }
+
+    fn push(&mut self, stmt: Stmt) {
+        if self.written < self.read && self.more.is_empty() {
+            self.stmts[self.written] = stmt;
+            self.written += 1;
+        } else {
+            self.more.push(stmt);
+        }
+    }
+
+    fn finished(mut self) -> Vec<Stmt> {
+        self.stmts.truncate(self.written);
+        self.stmts.append(&mut self.more);
+        // Most of a long block may be gone.
+        if self.stmts.len() < self.stmts.capacity() / 2 {
+            self.stmts.shrink_to_fit();
+        }
+        self.stmts
+    }
+}
+
 #[derive(Default)]
 struct Folder {
     /// Variables that equal an atom.
@@ -52,16 +89,16 @@ impl Folder {
 
     fn block(&mut self, f: &mut Function, block: &mut Block) {
         self.seen.enter();
-        let mut kept = Vec::with_capacity(block.stmts.len());
-        for stmt in std::mem::take(&mut block.stmts) {
+        let mut kept = Kept { stmts: std::mem::take(&mut block.stmts), ..Kept::default() };
+        while let Some(stmt) = kept.next() {
             self.stmt(f, stmt, &mut kept);
         }
-        block.stmts = kept;
+        block.stmts = kept.finished();
         self.replace(&mut block.results);
         self.seen.leave();
     }
 
-    fn stmt(&mut self, f: &mut Function, mut stmt: Stmt, kept: &mut Vec<Stmt>) {
+    fn stmt(&mut self, f: &mut Function, mut stmt: Stmt, kept: &mut Kept) {
         for operand in stmt.op.operands_mut() {
             *operand = self.atom(*operand);
         }
@@ -74,14 +111,14 @@ impl Folder {
     }
 
     /// Unless the operation was evaluated before.
-    fn keep(&mut self, dst: Dst, op: Op, kept: &mut Vec<Stmt>) {
+    fn keep(&mut self, dst: Dst, op: Op, kept: &mut Kept) {
         match self.seen.earlier(&op, &dst) {
             Some(earlier) => self.known.extend(dst.into_iter().zip(earlier.iter().map(|v| Atom::Var(*v)))),
             None => kept.push(Stmt { dst, op }),
         }
     }
 
-    fn prim(&mut self, dst: Dst, prim: Prim, on: Scalar, mut args: Args, kept: &mut Vec<Stmt>) {
+    fn prim(&mut self, dst: Dst, prim: Prim, on: Scalar, mut args: Args, kept: &mut Kept) {
         let (mut prim, mut on) = (prim, on);
         // Each step makes the operation simpler, so this ends.
         loop {
@@ -162,7 +199,7 @@ impl Folder {
         dst: Dst,
         cond: Atom,
         [mut yes, mut no]: [Box<Block>; 2],
-        kept: &mut Vec<Stmt>,
+        kept: &mut Kept,
     ) {
         if let Some(Const::Bool(taken)) = as_const(cond) {
             let block = if taken { yes } else { no };
@@ -216,7 +253,7 @@ impl Folder {
         self.known.set(v, before);
     }
 
-    fn looped(&mut self, f: &mut Function, dst: Dst, mut l: Box<Loop>, kept: &mut Vec<Stmt>) {
+    fn looped(&mut self, f: &mut Function, dst: Dst, mut l: Box<Loop>, kept: &mut Kept) {
         // State that never changes is no state.
         let mut at = 0;
         let mut dst = dst;

@@ -23,6 +23,9 @@ pub fn hoist(program: &mut Program) {
 }
 
 fn block(f: &mut Function, inner: &mut Block) {
+    if !inner.stmts.iter().any(|stmt| matches!(stmt.op, Op::Loop(_))) {
+        return inner.stmts.iter_mut().flat_map(|stmt| stmt.op.blocks_mut()).for_each(|b| block(f, b));
+    }
     let mut stmts = Vec::with_capacity(inner.stmts.len());
     for mut stmt in std::mem::take(&mut inner.stmts) {
         stmt.op.blocks_mut().for_each(|b| block(f, b));

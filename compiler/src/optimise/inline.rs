@@ -29,9 +29,13 @@ const MOST_MARKED: usize = 200_000;
 const DEEPEST: usize = 100;
 
 pub fn inline(program: &mut Program) {
+    let graph = Graph::new(&program.functions);
+    let stays = |f: &usize| graph.recursive[*f] || program.functions[*f].mark == Mark::Task;
+    if graph.callees.iter().flatten().all(stays) {
+        return super::dead::unreachable(program);
+    }
     // Copies take all variables of the callee along, so they should be those that it still has.
     program.functions.iter_mut().for_each(compact);
-    let graph = Graph::new(&program.functions);
     let is_task = tasks_of(program, &graph);
     let mut count = vec![0; program.functions.len()];
     for f in &program.functions {
@@ -39,10 +43,9 @@ pub fn inline(program: &mut Program) {
     }
     let models = program.functions.iter().map(|_| Model::default()).collect();
     let marked = Cell::new(MOST_MARKED);
-    let called_once = |f: usize| {
-        let stays = graph.recursive[f] || program.functions[f].mark == Mark::Task;
-        count[f] == 1 && !stays && f != program.entry as usize
-    };
+    let stays: Vec<bool> =
+        (0..count.len()).map(|f| graph.recursive[f] || program.functions[f].mark == Mark::Task).collect();
+    let called_once = |f: usize| count[f] == 1 && !stays[f] && f != program.entry as usize;
     let called_once = (0..count.len()).map(called_once).collect();
     let mut inliner = Inliner { called_once, recursive: graph.recursive, is_task, models, marked };
     // What is called once is met where it is called, so that a chain of such functions is copied once and not once a link.
@@ -51,7 +54,9 @@ pub fn inline(program: &mut Program) {
     while let Some(f) = open.pop() {
         let mut function = std::mem::take(&mut program.functions[f]);
         let left = inliner.function(&mut program.functions, &mut function);
-        inliner.models[f] = Model::of(&function);
+        if count[f] > 0 && !stays[f] {
+            inliner.models[f] = Model::of(&function);
+        }
         program.functions[f] = function;
         open.extend(left);
     }

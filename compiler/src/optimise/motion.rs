@@ -65,6 +65,16 @@ struct Sinker<'a> {
 
 impl Sinker<'_> {
     fn block(&mut self, block: &mut Block, depth: usize) {
+        if block.stmts.iter().any(|stmt| matches!(stmt.op, Op::If(..))) {
+            self.sink(block, depth);
+        }
+        for stmt in &mut block.stmts {
+            stmt.op.blocks_mut().for_each(|inner| self.block(inner, depth + 1));
+        }
+    }
+
+    /// Moves the block's statements into its branches.
+    fn sink(&mut self, block: &mut Block, depth: usize) {
         vars_of(block.results.iter().copied()).for_each(|v| self.sites.note(v, Site::Elsewhere));
 
         // From the last statement to the first, so that a moved statement takes its operands along.
@@ -80,9 +90,6 @@ impl Sinker<'_> {
         }
         self.sites.clear();
         block.stmts = kept.into_iter().rev().map(|(at, stmt)| with_moved(stmt, at, &mut moved)).collect();
-        for stmt in &mut block.stmts {
-            stmt.op.blocks_mut().for_each(|inner| self.block(inner, depth + 1));
-        }
     }
 }
 
@@ -136,9 +143,12 @@ pub fn choose(program: &mut Program) {
 }
 
 fn choose_in(f: &Function, block: &mut Block) {
+    block.stmts.iter_mut().flat_map(|stmt| stmt.op.blocks_mut()).for_each(|inner| choose_in(f, inner));
+    if !block.stmts.iter().any(|stmt| matches!(stmt.op, Op::If(..))) {
+        return;
+    }
     let mut stmts = Vec::with_capacity(block.stmts.len());
-    for mut stmt in std::mem::take(&mut block.stmts) {
-        stmt.op.blocks_mut().for_each(|inner| choose_in(f, inner));
+    for stmt in std::mem::take(&mut block.stmts) {
         match &stmt.op {
             Op::If(cond, yes, no) if yes.stmts.is_empty() && no.stmts.is_empty() => {
                 for ((v, yes), no) in stmt.dst.iter().zip(&yes.results).zip(&no.results) {

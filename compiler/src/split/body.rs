@@ -153,6 +153,9 @@ impl Splitter<'_> {
 
     /// The statements by level. The last level has no calls.
     fn levels(&self, stmts: Vec<Stmt>, results: &[Atom]) -> Vec<Level> {
+        if !self.any_task_call(&stmts) {
+            return vec![Level { before: stmts, ..Level::default() }];
+        }
         let mut levels = vec![Level::default()];
         // The level at which a variable is known, if that is not the first.
         let mut known: FxHashMap<Var, usize> = FxHashMap::default();

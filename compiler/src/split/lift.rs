@@ -105,6 +105,13 @@ struct Lifter {
 
 impl Lifter {
     fn block(&mut self, f: &mut Function, block: &mut Block) {
+        if !block.stmts.iter().any(|stmt| matches!(stmt.op, Op::Loop(_))) {
+            return block
+                .stmts
+                .iter_mut()
+                .flat_map(|stmt| stmt.op.blocks_mut())
+                .for_each(|b| self.block(f, b));
+        }
         let mut stmts = Vec::with_capacity(block.stmts.len());
         for mut stmt in std::mem::take(&mut block.stmts) {
             match stmt.op {

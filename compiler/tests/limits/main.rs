@@ -32,7 +32,7 @@ const RELEASE: bool = !cfg!(debug_assertions);
 /// Length of a text.
 const BYTES: usize = if RELEASE { 1 << 20 } else { 1 << 16 };
 /// Processor time that a text may take.
-const MOST_SECONDS: f64 = if RELEASE { 6.0 } else { 20.0 };
+const MOST_SECONDS: f64 = if RELEASE { 3.0 } else { 20.0 };
 /// Memory that a text may take.
 const MOST_MEBIBYTES: f32 = 1024.0;
 /// Time after which a text is taken to run for ever.

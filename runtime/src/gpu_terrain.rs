@@ -24,7 +24,7 @@ const GROUPS: u32 = 32768;
 
 #[derive(Debug, thiserror::Error)]
 pub enum UploadError {
-    #[error("{what} take {needed} bytes, but this adapter binds at most {limit}; {mend}, or use --on cpu")]
+    #[error("{what} take {needed} bytes, but this adapter binds at most {limit}; {mend}")]
     TooLarge { what: &'static str, mend: &'static str, needed: u64, limit: u64 },
 }
 
@@ -59,6 +59,28 @@ pub struct GpuTerrain {
 }
 
 impl GpuTerrain {
+    /// Whether each buffer is one that the adapter can bind. The pyramids are smaller than the samples.
+    pub fn fits(limits: &wgpu::Limits, scene: &Scene, uses: Uses) -> Result<(), UploadError> {
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let (field, rasters) = ("cut or reduce the field", "reduce them, or use --no-bake");
+        let words = |used: bool, words: &dyn Fn() -> u64| if used { words() } else { 0 };
+        let is_read = uses.samples || uses.bounds || uses.floors;
+        let buffers = [
+            ("the field's samples", field, words(is_read, &|| scene.sample_word_count())),
+            ("the field's means", field, words(uses.means, &|| scene.mean_words().len() as u64)),
+            (
+                "the micro-heightfield's texels",
+                "reduce it",
+                words(uses.micro, &|| scene.micro().words().len() as u64),
+            ),
+            ("the rasters and bakes", rasters, words(uses.rasters, &|| scene.layers().size())),
+        ];
+        match buffers.into_iter().find(|(.., words)| 4 * words > limit) {
+            Some((what, mend, words)) => Err(UploadError::TooLarge { what, mend, needed: 4 * words, limit }),
+            None => Ok(()),
+        }
+    }
+
     /// Uploads what is used of the scene and builds the field's pyramid.
     pub fn new(
         device: &wgpu::Device,
@@ -66,11 +88,7 @@ impl GpuTerrain {
         scene: &Scene,
         uses: Uses,
     ) -> Result<GpuTerrain, UploadError> {
-        let limit = device.limits().max_storage_buffer_binding_size.min(device.limits().max_buffer_size);
-        let fits = |what, mend, needed| match needed > limit {
-            true => Err(UploadError::TooLarge { what, mend, needed, limit }),
-            false => Ok(needed),
-        };
+        GpuTerrain::fits(&device.limits(), scene, uses)?;
         let record = device.create_buffer_init(&BufferInitDescriptor {
             label: Some("terrain scene"),
             contents: bytemuck::bytes_of(scene.uniform()),
@@ -87,14 +105,11 @@ impl GpuTerrain {
         let mut micro = None;
         if uses.micro {
             let words = scene.micro().words();
-            fits("the micro-heightfield's texels", "reduce it", 4 * words.len() as u64)?;
             micro = Some(read_only("terrain micro", &words));
         }
         let mut means = None;
         if uses.means {
-            let words = scene.mean_words();
-            fits("the field's means", "cut or reduce the field", 4 * words.len() as u64)?;
-            means = Some(read_only("terrain means", words));
+            means = Some(read_only("terrain means", scene.mean_words()));
         }
         let mut beams = None;
         if uses.beams {
@@ -106,7 +121,6 @@ impl GpuTerrain {
             }));
         }
         if uses.samples || uses.bounds || uses.floors {
-            fits("the field's samples", "cut or reduce the field", 4 * scene.sample_word_count())?;
             let buffer = read_only("terrain samples", &scene.sample_words());
             let pyramid = |side| build_pyramid(device, queue, (scene.terrain(), side), &buffer);
             bounds = uses.bounds.then(|| pyramid(Side::Above));
@@ -114,11 +128,9 @@ impl GpuTerrain {
             samples = uses.samples.then_some(buffer);
         }
         if uses.rasters {
-            let mend = "reduce them, use --no-bake";
-            let size = fits("the rasters and bakes", mend, 4 * scene.layers().size())?.max(4);
             rasters = Some(device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("terrain rasters"),
-                size,
+                size: (4 * scene.layers().size()).max(4),
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }));

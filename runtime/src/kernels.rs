@@ -4,13 +4,30 @@ use crate::bake::{self, Inputs};
 use crate::config::Config;
 use crate::error::RunError;
 use crate::gpu::{self, Engine, Gpu};
-use crate::gpu_terrain::GpuTerrain;
+use crate::gpu_terrain::{GpuTerrain, UploadError};
 use crate::machine::Job;
 use crate::terrain::Scene;
 use crate::terrain::wgsl::{self, Format, Uses};
 use ghyll_compiler::back::Back;
 use ghyll_compiler::core::Intrinsic;
 use ghyll_compiler::typed::FunctionId;
+
+/// The scene with room for the bakes, and what the program and its bakes use of it; none if they do not look at it.
+fn looked_at(job: &Job) -> Option<(Scene, Uses)> {
+    let compiled = job.compiled;
+    let backs = compiled.bakes.iter().map(|bake| &bake.back).chain([&compiled.back]);
+    let intrinsics: Vec<Intrinsic> = backs.flat_map(|back| back.wgsl.intrinsics.clone()).collect();
+    let scene = job.scene.filter(|_| !intrinsics.is_empty())?;
+    let scene = scene.with_layers(bake::reserved(compiled, scene));
+    let uses = wgsl::wgsl(&intrinsics, Format::of(scene.terrain())).uses;
+    Some((scene, uses))
+}
+
+/// Why the scene cannot be bound on the device, if it cannot.
+pub fn too_large(job: &Job, gpu: &Gpu) -> Option<UploadError> {
+    let (scene, uses) = looked_at(job)?;
+    GpuTerrain::fits(&gpu.device.limits(), &scene, uses).err()
+}
 
 pub struct Kernels {
     pub engine: Engine,
@@ -30,15 +47,11 @@ impl Kernels {
     /// Uploads what the program and its bakes use of the scene, and bakes.
     pub fn new(job: &Job, gpu: &Gpu, config: &Config, components: u32) -> Result<Kernels, RunError> {
         let compiled = job.compiled;
-        let backs = || compiled.bakes.iter().map(|bake| &bake.back).chain([&compiled.back]);
-        let intrinsics: Vec<Intrinsic> = backs().flat_map(|back| back.wgsl.intrinsics.clone()).collect();
-        let scene = job.scene.filter(|_| !intrinsics.is_empty());
-        let scene = scene.map(|scene| scene.with_layers(bake::reserved(compiled, scene)));
-        let format = scene.as_ref().map(|scene| Format::of(scene.terrain()));
+        let looked_at = looked_at(job);
+        let format = looked_at.as_ref().map(|(scene, _)| Format::of(scene.terrain()));
         let (mut terrain, mut bound) = (None, None);
-        if let (Some(scene), Some(format)) = (&scene, format) {
-            let uses: Uses = wgsl::wgsl(&intrinsics, format).uses;
-            let uploaded = GpuTerrain::new(&gpu.device, &gpu.queue, scene, uses)
+        if let Some((scene, uses)) = &looked_at {
+            let uploaded = GpuTerrain::new(&gpu.device, &gpu.queue, scene, *uses)
                 .map_err(|e| RunError::Device(e.to_string()))?;
             let layout = uploaded.layout(&gpu.device);
             let group = uploaded.bind_group(&gpu.device, &layout);
@@ -54,7 +67,8 @@ impl Kernels {
         };
         let mut bakes = Vec::new();
         for bake in &compiled.bakes {
-            let scene = scene.as_ref().ok_or_else(|| RunError::Internal("a bake without a scene".into()))?;
+            let (scene, _) =
+                looked_at.as_ref().ok_or_else(|| RunError::Internal("a bake without a scene".into()))?;
             let words = scene.layers().get(bake.slot).map_or(0, |layer| layer.raster().words());
             bakes.push(BakeEngine {
                 engine: engine(bake.function, &bake.back, bake.components)?,

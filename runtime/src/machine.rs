@@ -4,7 +4,7 @@ use crate::config::{Config, Stats};
 use crate::error::RunError;
 use crate::gpu::{self, Gpu, GpuError, GpuOptions};
 use crate::image::Image;
-use crate::kernels::Kernels;
+use crate::kernels::{self, Kernels};
 use crate::map::Map;
 use crate::memory::Memory;
 use crate::oracle::{self, OracleOptions};
@@ -80,24 +80,35 @@ impl Machine {
 
 impl Machine {
     /// What evaluates a program in this machine's place: the twin, where the program walks through terrain and the adapter fails
-    /// the proof of exact sums and products that the walk rests on.
-    pub fn stand_in(&self, compiled: &Compiled) -> Result<Option<Machine>, RunError> {
+    /// the proof of exact sums and products that the walk rests on, and where the scene is larger than the adapter binds.
+    pub fn stand_in(&self, job: &Job) -> Result<Option<StandIn>, RunError> {
         const WALKS: [Intrinsic; 4] = [
             Intrinsic::TraceBilinear,
             Intrinsic::TraceTriangulated,
             Intrinsic::OccludedBilinear,
             Intrinsic::OccludedTriangulated,
         ];
-        let backs = compiled.bakes.iter().map(|bake| &bake.back).chain([&compiled.back]);
-        let walks = backs.flat_map(|back| &back.wgsl.intrinsics).any(|i| WALKS.contains(i));
-        match self {
-            Machine::Gpu(gpu) if walks => {
-                let exact = gpu.keeps_rounding().map_err(RunError::Device)?;
-                Ok((!exact).then_some(Machine::Cpu))
-            }
-            _ => Ok(None),
+        let Machine::Gpu(gpu) = self else { return Ok(None) };
+        let twin = |why: String| Ok(Some(StandIn { machine: Machine::Cpu, why }));
+        if let Some(why) = kernels::too_large(job, gpu) {
+            return twin(why.to_string());
         }
+        let backs = job.compiled.bakes.iter().map(|bake| &bake.back).chain([&job.compiled.back]);
+        let walks = backs.flat_map(|back| &back.wgsl.intrinsics).any(|i| WALKS.contains(i));
+        if walks && !gpu.keeps_rounding().map_err(RunError::Device)? {
+            return twin(
+                "it does not keep the rounding of sums and products that exact tracing rests on".into(),
+            );
+        }
+        Ok(None)
     }
+}
+
+/// A machine that takes another one's place for a program.
+pub struct StandIn {
+    pub machine: Machine,
+    /// For people: what the other one cannot do.
+    pub why: String,
 }
 
 /// A program with the scene it may look at.
@@ -118,8 +129,8 @@ impl Job<'_> {
     ) -> Result<(Value, Stats), RunError> {
         let module = &self.checked.module;
         let back = &self.compiled.back;
-        let stand_in = machine.stand_in(self.compiled)?;
-        let (words, stats) = match stand_in.as_ref().unwrap_or(machine) {
+        let stand_in = machine.stand_in(self)?;
+        let (words, stats) = match stand_in.as_ref().map_or(machine, |other| &other.machine) {
             Machine::Oracle(precision) => {
                 let started = Instant::now();
                 let value = oracle::evaluate(
@@ -165,8 +176,8 @@ impl Job<'_> {
         (width, height): (u32, u32),
     ) -> Result<(Image, Stats), RunError> {
         let job = Job { checked, compiled, scene: scene.as_ref() };
-        let stand_in = machine.stand_in(compiled)?;
-        let machine = stand_in.as_ref().unwrap_or(machine);
+        let stand_in = machine.stand_in(&job)?;
+        let machine = stand_in.as_ref().map_or(machine, |other| &other.machine);
         let Machine::Gpu(gpu) = machine else { return job.render(machine, (width, height), config) };
         let components = compiled.result_words(&checked.module);
         let started = Instant::now();

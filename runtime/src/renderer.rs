@@ -26,8 +26,8 @@ impl Renderer {
         config: &Config,
     ) -> Result<(Image, Stats), RunError> {
         let started = Instant::now();
-        let stand_in = machine.stand_in(job.compiled)?;
-        let (data, stats) = match stand_in.as_ref().unwrap_or(machine) {
+        let stand_in = machine.stand_in(job)?;
+        let (data, stats) = match stand_in.as_ref().map_or(machine, |other| &other.machine) {
             Machine::Oracle(precision) => {
                 let options = job.oracle_options(*precision, config);
                 let wide = job.oracle_picture(size, config.point, &options)?;

@@ -160,13 +160,18 @@ mod tests {
         let reads = compiled("use terrain; fn pixel(p: vec2) -> f32 = bilinear(p);");
         gpu.plant_failed_proof();
         let machine = Machine::Gpu(Box::new(gpu.clone()));
-        assert!(matches!(machine.stand_in(&walks.1), Ok(Some(Machine::Cpu))));
-        assert!(matches!(machine.stand_in(&reads.1), Ok(None)));
-        let fresh = Machine::Gpu(Box::new(Gpu::new(&GpuOptions::default()).unwrap()));
-        assert!(matches!(fresh.stand_in(&walks.1), Ok(None)));
-
         let scene = Scene::new(std::sync::Arc::new(Terrain::builtin()), &SceneOptions::default()).unwrap();
         let job = Job { checked: &walks.0, compiled: &walks.1, scene: Some(&scene) };
+        let stand_in = |machine: &Machine, (checked, compiled): &(_, _)| {
+            let job = Job { checked, compiled, scene: Some(&scene) };
+            machine.stand_in(&job).unwrap().map(|other| (other.machine.describe(), other.why))
+        };
+        let (other, why) = stand_in(&machine, &walks).unwrap();
+        assert!(other == "CPU twin" && why.contains("exact tracing"), "{other}: {why}");
+        assert_eq!(stand_in(&machine, &reads), None);
+        let fresh = Machine::Gpu(Box::new(Gpu::new(&GpuOptions::default()).unwrap()));
+        assert_eq!(stand_in(&fresh, &walks), None);
+
         let made = gpu.pipelines_made();
         let drawn = |machine: &Machine| job.render(machine, (16, 16), &Config::default()).unwrap().0;
         assert_eq!(drawn(&machine), drawn(&Machine::Cpu));

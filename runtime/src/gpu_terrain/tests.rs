@@ -343,3 +343,28 @@ fn close(intrinsic: Intrinsic, expected: &[u32], found: &[u32]) -> bool {
         _ => a == b,
     })
 }
+
+#[test]
+fn what_an_adapter_cannot_bind_is_named_with_the_mend() {
+    let scene = scene(Terrain::builtin());
+    let all = 4 * scene.sample_word_count();
+    let binding = |bytes| wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
+    let fits = |bytes, uses| GpuTerrain::fits(&binding(bytes), &scene, uses).map_err(|e| e.to_string());
+    let reads = Uses { samples: true, ..Uses::default() };
+    assert_eq!(fits(all, reads), Ok(()));
+    let why = fits(all - 4, reads).unwrap_err();
+    assert_eq!(
+        why,
+        format!(
+            "the field's samples take {all} bytes, but this adapter binds at most {}; cut or reduce the field",
+            all - 4
+        )
+    );
+    assert_eq!(fits(0, Uses { scene: true, ..Uses::default() }), Ok(()));
+    let means = 4 * scene.mean_words().len() as u64;
+    let why = fits(means - 4, Uses { means: true, ..Uses::default() });
+    assert!(why.is_err_and(|why| why.contains("means")));
+    let bakes = Uses { rasters: true, ..Uses::default() };
+    let why = GpuTerrain::fits(&binding(16), &layered(&scene), bakes).map_err(|e| e.to_string());
+    assert!(why.is_err_and(|why| why.contains("--no-bake")));
+}

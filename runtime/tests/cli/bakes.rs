@@ -12,7 +12,11 @@ const SQUARE: &str = "
 
 /// The first number of the picture, and what was said.
 fn render(folder: &Folder, more: &str) -> (f32, String) {
-    let ended = folder.ghyll(&format!("render p.ghyll --dem flat.asc --size 2x2 -o p.npy {more}"));
+    render_of(folder, "flat.asc", more)
+}
+
+fn render_of(folder: &Folder, field: &str, more: &str) -> (f32, String) {
+    let ended = folder.ghyll(&format!("render p.ghyll --dem {field} --size 2x2 -o p.npy {more}"));
     ended.printed();
     let bytes = std::fs::read(folder.path("p.npy")).unwrap();
     let at = bytes.len() - 16;
@@ -30,6 +34,26 @@ fn a_bake_is_read_between_its_samples() {
         assert_eq!(on("--set k=2 --live k"), 100.0, "{machine}");
     }
     assert_eq!(render(&folder, "--on oracle").0, 25.0);
+}
+
+/// A field with many more samples than the picture has pixels is not baked, unless that is asked for.
+#[test]
+fn a_large_field_is_baked_only_if_asked_for() {
+    let folder = Folder::new("bake_large");
+    folder.write("p.ghyll", SQUARE);
+    let side = 2049;
+    let mut field = format!("P5\n{side} {side}\n255\n").into_bytes();
+    field.resize(field.len() + side * side, 0);
+    std::fs::write(folder.path("flat.pgm"), field).unwrap();
+    let first = |more: &str| render_of(&folder, "flat.pgm", &format!("--spacing 10 --on cpu {more}"));
+    let (called, said) = first("");
+    assert_eq!(called, 25.0);
+    assert!(said.contains("not baking: the field has 4198401 samples, for 4 rays"), "{said}");
+    let (read, said) = first("--bake");
+    assert_eq!(read, 50.0);
+    assert!(!said.contains("not baking"), "{said}");
+    let (called, said) = first("--no-bake");
+    assert!(called == 25.0 && !said.contains("not baking"), "{said}");
 }
 
 #[test]

@@ -254,6 +254,9 @@ pub struct Render {
     /// Picture to write: .png, .jpg, .exr, .tif or .npy; float results go to .exr, .tif and .npy unscaled.
     #[arg(short, long, value_name = "FILE", default_value = "ghyll.png")]
     pub output: PathBuf,
+    /// Evaluate `@bake` functions for every sample even where a large field has many more of them than the picture has pixels.
+    #[arg(long, conflicts_with = "no_bake")]
+    pub bake: bool,
     #[command(flatten)]
     pub camera: Camera,
     /// Lets heights fall off with the Earth's curvature; K is the part of it that refraction takes away.

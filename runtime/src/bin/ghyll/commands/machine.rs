@@ -2,10 +2,9 @@
 
 use crate::arguments::{self, On};
 use crate::failure::Failure;
-use ghyll_compiler::compile::Compiled;
 use ghyll_runtime::config::{Config, Rewriter};
 use ghyll_runtime::gpu::GpuOptions;
-use ghyll_runtime::machine::{Machine, Wanted};
+use ghyll_runtime::machine::{Job, Machine, StandIn, Wanted};
 use ghyll_runtime::progress::Progress;
 
 fn wanted(arguments: &arguments::Machine) -> Wanted {
@@ -47,16 +46,15 @@ pub fn open(arguments: &arguments::Machine) -> Result<(Machine, Config), Failure
     Ok((machine, config))
 }
 
-/// Says that another machine takes this one's place for a program, and why.
-pub fn note_stand_in(machine: &Machine, compiled: &Compiled) -> Result<(), Failure> {
-    if let Some(other) = machine.stand_in(compiled).map_err(Failure::run)? {
-        eprintln!(
-            "the {} takes the place of the {}, which does not keep the rounding of sums and products that exact tracing rests on",
-            other.describe(),
-            machine.describe()
-        );
+/// The machine, or the one that takes its place for a program, which is said with the reason.
+pub fn settled(machine: Machine, job: &Job) -> Result<Machine, Failure> {
+    match machine.stand_in(job).map_err(Failure::run)? {
+        Some(StandIn { machine: other, why }) => {
+            eprintln!("the {} takes the place of the {}: {why}", other.describe(), machine.describe());
+            Ok(other)
+        }
+        None => Ok(machine),
     }
-    Ok(())
 }
 
 /// Says which options mean nothing to the machine that was picked.

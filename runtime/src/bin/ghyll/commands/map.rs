@@ -15,11 +15,11 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("mapping on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
-    machine::note_stand_in(&machine, &compiled)?;
+    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
+    let machine = machine::settled(machine, &job)?;
 
     let progress = report::Bar::start("mapping");
     config.progress = progress.listener();
-    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
     let outcome = job.map(&machine, &config);
     progress.finish();
     let (map, stats) = outcome.map_err(Failure::run)?;

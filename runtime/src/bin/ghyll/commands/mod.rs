@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod baking;
 pub mod bench;
 pub mod build;
 pub mod check;

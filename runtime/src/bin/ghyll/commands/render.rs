@@ -1,13 +1,13 @@
 //! `ghyll render`: a picture of an image entry, or a film of it.
 
 use super::film::Film;
-use super::{checked, compiled_as, machine, read, scene, tune, writable};
+use super::{baking, checked, compiled_as, machine, read, scene, tune, writable};
 use crate::arguments::Render;
 use crate::failure::Failure;
 use crate::report;
 use ghyll_compiler::source::Source;
 use ghyll_runtime::image::{self, FilmFormat, ImageError};
-use ghyll_runtime::machine::Job;
+use ghyll_runtime::machine::{Job, Machine};
 use ghyll_runtime::presets::Preset;
 use ghyll_runtime::renderer::Renderer;
 use std::time::Instant;
@@ -59,23 +59,32 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         None => machine::open(&arguments.machine)?,
     };
     eprintln!("rendering on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
-    machine::note_stand_in(&machine, &compiled)?;
-
     let size @ (width, height) = views.size();
+    let count = film.as_ref().map_or(1, |film| film.frames.clone().count() as u32);
+    let preset = arguments.preset.as_deref().and_then(Preset::named);
+    let chosen = tuned.as_ref().map(|tuned| tuned.measured.choice.samples);
+    let samples = arguments.samples.or(chosen).or(preset.map(|preset| preset.samples)).unwrap_or(1);
+    let rays = u64::from(width) * u64::from(height) * u64::from(samples) * u64::from(count);
+    let is_free = !arguments.bake && tuned.is_none() && !matches!(machine, Machine::Oracle(_));
+    let field = views.field().filter(|_| is_free);
+    if let Some(why) = baking::refusal(&compiled, field.map(|field| &**field), rays) {
+        eprintln!("{why}");
+        options.no_bake = true;
+        compiled = compiled_as(&checked, &arguments.program, &options)?;
+    }
+    let job = Job { checked: &checked, compiled: &compiled, scene: views.first() };
+    let machine = machine::settled(machine, &job)?;
+
     let progress = report::Bar::start("rendering");
     config.progress = progress.listener();
     let started = Instant::now();
     let wrong = |e: ImageError| Failure::Usage(e.to_string());
-    let count = film.as_ref().map_or(1, |film| film.frames.clone().count() as u32);
     let mut open = match film_format {
         Some(format) => {
             Some(image::Film::create(&arguments.output, format, size, count, arguments.fps).map_err(wrong)?)
         }
         None => None,
     };
-    let preset = arguments.preset.as_deref().and_then(Preset::named);
-    let chosen = tuned.as_ref().map(|tuned| tuned.measured.choice.samples);
-    let samples = arguments.samples.or(chosen).or(preset.map(|preset| preset.samples)).unwrap_or(1);
     let mut views = Some(views);
     let mut renderer = Renderer::default();
     let mut last = None;

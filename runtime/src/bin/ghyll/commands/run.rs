@@ -20,10 +20,10 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
     let (machine, mut config) = machine::open(&arguments.machine)?;
-    machine::note_stand_in(&machine, &compiled)?;
+    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
+    let machine = machine::settled(machine, &job)?;
     let progress = crate::report::Bar::start("running");
     config.progress = progress.listener();
-    let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };
     let outcome = job.run(&machine, &args, &config);
     progress.finish();
     let (value, stats) = outcome.map_err(Failure::run)?;

@@ -176,6 +176,11 @@ impl Views {
         self.first.as_ref().map(Scene::terrain)
     }
 
+    /// The scene before any frame's look, if the program looks at one.
+    pub fn first(&self) -> Option<&Scene> {
+        self.first.as_ref()
+    }
+
     /// The scene of the only frame, with nothing else kept of the field.
     pub fn only(self) -> Result<Option<Scene>, Failure> {
         self.scene(0)

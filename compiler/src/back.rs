@@ -29,8 +29,9 @@ const LONG_LOOP: u64 = 2048;
 /// [`TooMany`]
 pub fn back(mut program: Program) -> Result<Back, TooMany> {
     optimise(&mut program);
+    let functions = program.functions.len();
     lift::loops(&mut program);
-    finish(program)
+    finish(program, functions)
 }
 
 impl Back {
@@ -42,13 +43,17 @@ impl Back {
 
     fn with_loops_of_more_than(&self, turns: u64) -> Back {
         let mut program = self.core.clone();
+        let functions = program.functions.len();
         lift::long_loops(&mut program, turns);
-        finish(program).unwrap_or_else(|_| self.clone())
+        finish(program, functions).unwrap_or_else(|_| self.clone())
     }
 }
 
-fn finish(mut program: Program) -> Result<Back, TooMany> {
-    run(CLEANING, &mut program);
+/// `functions` is how many the program had before loops were lifted.
+fn finish(mut program: Program, functions: usize) -> Result<Back, TooMany> {
+    if program.functions.len() > functions {
+        run(CLEANING, &mut program);
+    }
     let (table, entry) = split_lifted(program.clone())?;
     debug_assert_eq!(
         crate::table::verify::table(&table, &crate::core::verify::live_words(&program)).err(),

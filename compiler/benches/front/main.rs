@@ -95,12 +95,15 @@ fn phases(lines: usize) {
     report("front");
     let mut program = lowered(&checked);
     report("lower");
-    for pass in ghyll_compiler::optimise::PASSES {
-        run(&[*pass], &mut program);
+    for pass in ghyll_compiler::optimise::passes() {
+        run(&[pass], &mut program);
         report(pass.0);
     }
+    let functions = program.functions.len();
     lift::loops(&mut program);
-    run(CLEANING, &mut program);
+    if program.functions.len() > functions {
+        run(CLEANING, &mut program);
+    }
     report("lift and clean");
     let (table, entry) = split(&program).expect("few words");
     report("split");

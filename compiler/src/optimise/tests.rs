@@ -3,7 +3,7 @@
 mod faults;
 mod structure;
 
-use super::{PASSES, optimise, run};
+use super::{optimise, passes, run};
 use crate::core::{Program, parse, print, verify};
 
 fn program(text: &str) -> Program {
@@ -244,8 +244,8 @@ fn tail_calls_stay_tail_calls() {
 fn passes_leave_verified_core() {
     for text in crate::split::tests::PROGRAMS {
         let mut program = program(text);
-        for pass in PASSES {
-            run(&[*pass], &mut program);
+        for pass in passes() {
+            run(&[pass], &mut program);
             verify::program(&program).unwrap_or_else(|why| panic!("after {}: {why}", pass.0));
         }
     }

@@ -52,6 +52,29 @@ fn mentioned(module: &Module, ty: &Type, into: &mut Vec<usize>) {
     args.iter().for_each(|t| mentioned(module, t, into));
 }
 
+/// What stands between a field and the type `node` that it mentions, if it is not of that type itself.
+fn around(module: &Module, ty: &Type, node: usize) -> Option<String> {
+    let own = match ty {
+        Type::Struct(StructId(i), _) => Some(*i as usize),
+        Type::Enum(EnumId(i), _) => Some(module.structs.len() + *i as usize),
+        _ => None,
+    };
+    let mut parts = Vec::new();
+    mentioned(module, ty, &mut parts);
+    if own == Some(node) || !parts.contains(&node) {
+        return None;
+    }
+    Some(match own {
+        Some(own) => format!("`{}`", name_and_span(module, own).0),
+        None => match ty {
+            Type::Array(..) => "an array",
+            Type::Fn(..) => "the type of a function",
+            _ => "a tuple",
+        }
+        .to_owned(),
+    })
+}
+
 fn name_and_span(module: &Module, node: usize) -> (&str, Span) {
     match module.structs.get(node) {
         Some(s) => (&s.name, s.span),
@@ -64,9 +87,15 @@ fn name_and_span(module: &Module, node: usize) -> (&str, Span) {
 
 fn describe(module: &Module, cycle: &[usize]) -> Diagnostic {
     let (name, span) = name_and_span(module, cycle[0]);
+    let next = *cycle.get(1).unwrap_or(&cycle[0]);
+    let mut within = None;
+    for_each_field(module, cycle[0], &mut |ty| {
+        within = within.take().or_else(|| around(module, ty, next));
+    });
+    let within = within.map_or(String::new(), |around| format!(", within {around}"));
     let mut diagnostic =
         Diagnostic::error(codes::RECURSIVE_TYPE, span, format!("the type `{name}` contains itself"))
-            .label(shown(cycle, |node| name_and_span(module, node).0))
+            .label(shown(cycle, |node| name_and_span(module, node).0) + &within)
             .help("a value has a fixed number of stream words, so it cannot hold another of its own type; use an array with a limit, or a function");
     for &node in cycle[1..].iter().take(MOST_SHOWN) {
         let (other, at) = name_and_span(module, node);

@@ -560,6 +560,15 @@ pub fn networks(bytes: usize) -> Vec<Text> {
                 repeated(lived, |i| format!("let b1 = b1 + a{}; ", i + 1))
             ),
         ),
+        text("many loops in each other with something to hoist in each", {
+            let opening: String = (1..60)
+                .rev()
+                .map(|k| format!("fold(0..n + {k}, s, |s, i| {{ let s = s + n * {k} + n / {k}; "))
+                .collect();
+            let nest = format!("{opening}s + i{}", " })".repeat(59));
+            let line = |_| format!("let s = {nest}; ");
+            format!("fn main(n: i32) -> i32 {{ let s = 0; {} s }}", repeated(bytes / (nest.len() + 10), line))
+        }),
         text(
             "arms with guards of tasks",
             format!(

@@ -1,7 +1,7 @@
 //! Compiling ends, soon and in little memory, whatever the text: each of [`texts`] goes through the whole compiler in a
 //! process of its own, which reports the processor time and the memory that it took.
 //!
-//! Limits are 2 s and 1 GiB for 1 MiB of text in a release build, but a test allows three times that time, as other work
+//! Limits are 2 s and 1 GiB for 1 MiB of text in a release build, but a test allows half as much time again, as other work
 //! slows processors down. An unoptimised build, which also verifies every phase, gets a sixteenth of that text and ten
 //! times the time. `LIMITS=words cargo test --test limits` runs the texts whose
 //! name has these words and shows what each took.

@@ -37,6 +37,11 @@ fn live_word(index: u32) -> u32 {
     return tables[TASKS + 1u + index];
 }
 
+// Elements of the program's arrays of constants.
+fn constant_word(index: u32) -> u32 {
+    return tables[TASKS + 1u + LIVE + index];
+}
+
 fn move_word() {
     let word = window[slot(WINDOW - right)];
     right -= 1u;

@@ -3,7 +3,7 @@
 use crate::core::Program;
 use crate::optimise::{CLEANING, optimise, run};
 use crate::split::live::tail_size;
-use crate::split::{TooMany, lift, split_lifted};
+use crate::split::{TooMany, copies, lift, split_lifted};
 use crate::table::{Table, TaskId, Token};
 use crate::wgsl::{self, Wgsl};
 
@@ -29,6 +29,7 @@ const LONG_LOOP: u64 = 2048;
 /// [`TooMany`]
 pub fn back(mut program: Program) -> Result<Back, TooMany> {
     optimise(&mut program);
+    copies::bound(&mut program);
     let functions = program.functions.len();
     lift::loops(&mut program);
     finish(program, functions)

@@ -6,6 +6,7 @@
 
 mod assemble;
 mod body;
+pub mod copies;
 pub mod lift;
 pub(crate) mod live;
 

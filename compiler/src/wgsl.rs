@@ -18,6 +18,8 @@ pub(crate) mod tests;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use rustc_hash::FxHashMap;
+
 use crate::core::{Function, Intrinsic};
 use crate::table::{Table, TaskId};
 use body::Writer;
@@ -34,6 +36,8 @@ pub struct Wgsl {
     pub fused: bool,
     /// Whether it reads `live_word`.
     pub uses_live: bool,
+    /// What `constant_word` reads: the elements of arrays of constants that are looked up by an index known only at run time.
+    pub constants: Vec<u32>,
 }
 
 /// What came up while functions were written.
@@ -42,6 +46,26 @@ pub(crate) struct Needs {
     support: BTreeSet<usize>,
     intrinsics: BTreeSet<Intrinsic>,
     live: bool,
+    constants: Constants,
+}
+
+/// Elements of arrays of constants, one array after the other, each once.
+#[derive(Default)]
+struct Constants {
+    words: Vec<u32>,
+    /// Where an array begins.
+    first: FxHashMap<Vec<u32>, usize>,
+}
+
+impl Constants {
+    /// Where these words stand.
+    fn place(&mut self, array: Vec<u32>) -> usize {
+        let end = self.words.len();
+        *self.first.entry(array).or_insert_with_key(|array| {
+            self.words.extend(array);
+            end
+        })
+    }
 }
 
 /// Writes a verified table.
@@ -72,7 +96,7 @@ pub fn emit(table: &Table, entry: TaskId) -> Wgsl {
     text.insert_str(0, &support::texts(&needs.support));
     text += &rewrite(table);
     let intrinsics = needs.intrinsics.into_iter().collect();
-    Wgsl { text, intrinsics, has_shade, fused, uses_live: needs.live }
+    Wgsl { text, intrinsics, has_shade, fused, uses_live: needs.live, constants: needs.constants.words }
 }
 
 /// Parses and validates a whole module; the message shows the offending line.

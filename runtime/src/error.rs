@@ -13,6 +13,13 @@ pub enum RunError {
     )]
     Timeout { function: String, seconds: f64, reached: String },
 
+    /// The adapter is busy with one submission, or its driver with a shader, which nothing can interrupt.
+    #[error(
+        "the adapter had not answered after {seconds:.1} s: its driver may still be compiling the program; \
+         allow more time with --timeout, or use --on cpu"
+    )]
+    Unanswered { seconds: f64 },
+
     #[error(
         "`{function}` needs more memory than is allowed: {} of {}; \
          does its recursion end? Allow more with --max-memory",

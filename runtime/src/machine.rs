@@ -350,6 +350,7 @@ fn code(back: &Back, entry: &str) -> gpu::Code {
         widths: back.table.widths(),
         names: tasks.iter().map(|t| t.function.clone()).chain([entry.to_owned()]).collect(),
         live_words: back.core.live.iter().map(|(_, scalars)| scalars.len() as u32).sum(),
+        constants: back.wgsl.constants.clone(),
         ..gpu::Code::default()
     }
 }

@@ -12,6 +12,10 @@ use std::fmt::{self, Write};
 /// Loops nest to at most so many iterations in all without spending fuel.
 const FREE_ITERATIONS: u64 = 64;
 
+/// Elements of an array of constants up to which a function holds it itself. Drivers store each element of a longer one at
+/// every use, in time that grows with the square of their number.
+const MOST_HELD: usize = 16;
+
 /// Writes the body of one function.
 pub(super) struct Writer<'a> {
     pub out: String,
@@ -214,6 +218,19 @@ impl<'a> Writer<'a> {
     }
 
     fn index(&mut self, text: &mut String, scalar: Scalar, index: Atom, elements: &[Atom]) {
+        let constants = elements.iter().map(|atom| match atom {
+            Atom::Const(c) => Some(c.word()),
+            Atom::Var(_) => None,
+        });
+        if elements.len() > MOST_HELD
+            && let Some(array) = constants.collect()
+        {
+            let first = self.needs.constants.place(array);
+            let mut at = format!("constant_word({first}u + u32(clamp(");
+            self.push_atom(&mut at, index);
+            let _ = write!(at, ", 0i, {}i)))", elements.len() - 1);
+            return text.push_str(&from_word(scalar, &at));
+        }
         let (array, n) = (self.temporary(), elements.len());
         let elements = self.atoms(elements);
         self.line_of(format_args!("var {array} = array<{}, {n}>({elements});", scalar.name()));

@@ -17,6 +17,7 @@ fn operand(i: u32) -> u32 { return i; }
 fn literal(word: u32) {}
 fn later(word: u32) {}
 fn live_word(i: u32) -> u32 { return i; }
+fn constant_word(i: u32) -> u32 { return i; }
 fn rounded(sum: f32) -> f32 { return sum; }
 ";
 

@@ -25,6 +25,8 @@ pub struct Code {
     pub prelude: String,
     /// Words of live parameters.
     pub live_words: u32,
+    /// What `constant_word` reads.
+    pub constants: Vec<u32>,
     /// For an adapter or a time limit that does not let a fused loop end.
     pub suspendable: Option<Suspendable>,
 }

@@ -155,13 +155,14 @@ impl Engine {
             None => (None, None, 0),
         };
         let pipelines = Pipelines::new(&gpu.device, layout, config.trusted);
-        let table_words = code.arities.len() as u64 + 1 + u64::from(code.live_words);
-        let fixed = Memory { terrain: scene_bytes, readback: Readback::LEAST, ..Memory::default() };
-        let capacity = Capacity::within(config.max_memory, fixed, &shape)?;
-        let buffers = Buffers::new(&gpu.device, &shape, capacity, table_words);
-        let groups = pipelines.groups(&gpu.device, &buffers);
         let mut tables = code.arities.clone();
         tables.push(shape.components + 1);
+        tables.extend(std::iter::repeat_n(0, code.live_words as usize));
+        tables.extend(&code.constants);
+        let fixed = Memory { terrain: scene_bytes, readback: Readback::LEAST, ..Memory::default() };
+        let capacity = Capacity::within(config.max_memory, fixed, &shape)?;
+        let buffers = Buffers::new(&gpu.device, &shape, capacity, tables.len() as u64);
+        let groups = pipelines.groups(&gpu.device, &buffers);
         let pixel_groups = config.groups.unwrap_or(gpu.parallel_groups() * 4).max(1);
         gpu.queue.write_buffer(&buffers.tables, 0, bytemuck::cast_slice(&tables));
         Ok(Engine {
@@ -206,6 +207,7 @@ impl Engine {
     /// Rewrites a stream of `(word, is it a function token)` to its normal form.
     pub fn run(&mut self, stream: &[(u32, bool)]) -> Result<Outcome, RunError> {
         let mut job = Job::new();
+        self.readback.wait_for(job.started, self.config.timeout);
         let compiled = self.pipelines.compiling;
         let words = loop {
             match self.value(&mut job, stream) {
@@ -238,6 +240,7 @@ impl Engine {
             std::mem::replace(self, Engine::with_components(&self.gpu, code, config, scene, components)?);
         self.pipelines.compiling += old.pipelines.compiling;
         self.set_live(&old.live);
+        self.readback.wait_for(job.started, self.config.timeout);
         // Task numbers are others now.
         job.latest = NO_TASK;
         Ok(())

@@ -47,6 +47,7 @@ impl Engine {
     /// As [`Engine::render`], leaving the picture on the device.
     pub fn draw(&mut self, width: u32, height: u32, entry: u32) -> Result<Stats, RunError> {
         let mut job = Job::new();
+        self.readback.wait_for(job.started, self.config.timeout);
         let compiled = self.pipelines.compiling;
         loop {
             match self.draw_all(&mut job, width, height, entry) {
@@ -84,6 +85,7 @@ impl Engine {
 
     /// The picture that was last drawn, of the same size.
     pub fn picture(&mut self, width: u32, height: u32) -> Result<Vec<f32>, RunError> {
+        self.readback.wait_for(Instant::now(), self.config.timeout);
         let words = u64::from(width * height * self.shape.components);
         let mut picture = Vec::with_capacity(words as usize);
         for first in (0..words).step_by(PIECE as usize / 4) {

@@ -41,6 +41,8 @@ pub struct Shape {
     pub hand: Option<Hand>,
     /// The compiler's tasks.
     pub tasks: u32,
+    /// Words of live parameters.
+    pub live: u32,
     /// Words of a pixel; 0 without an image.
     pub components: u32,
     /// Rewrites of the inner loop between two looks at what is rare.
@@ -95,6 +97,7 @@ impl Shape {
             segment: code.widths.segment,
             hand: Hand::new(code, arity),
             tasks: code.arities.len() as u32,
+            live: code.live_words,
             components,
             burst: 64,
             expand: 8,
@@ -134,6 +137,7 @@ impl Shape {
                 ("WINDOW", self.window),
                 ("EMISSION", self.emission),
                 ("TASKS", self.tasks),
+                ("LIVE", self.live),
                 ("COMPONENTS", self.components),
                 ("BURST", self.burst),
                 ("PULL", self.pull),

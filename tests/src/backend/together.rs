@@ -236,6 +236,7 @@ fn code(members: &[Member]) -> (Code, Vec<u32>) {
         longest_emission: table.longest_emission(),
         widths: table.widths(),
         names: table.tasks.iter().map(|t| t.function.clone()).collect(),
+        constants: wgsl.constants,
         ..Code::default()
     };
     (code, offsets)

@@ -177,6 +177,7 @@ builtins! {
     Along "__along" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2) -> (bool, f32, f32)");
     // Whether the cell at a position touches a missing sample.
     Hole "__hole" Library Fixed("fn(vec2) -> bool");
+    Holed "__holed" Library Fixed("fn(vec2, vec2) -> bool");
     // (origin, direction, near, far) of the primary ray through a pixel.
     Camera "__camera" Library Fixed("fn(vec2) -> (vec3, vec3, f32, f32)");
     // Distance at which the ray through a pixel may start.

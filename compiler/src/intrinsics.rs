@@ -75,6 +75,8 @@ intrinsics! {
     Inclines "inclines" (F32, F32, F32, F32) -> (F32, F32, F32, F32) 80;
     // Whether the cell at (x, y) touches a missing sample: rays pass through it.
     Hole "hole" (F32, F32) -> (Bool) 20;
+    // Whether a cell that a box touches does, or may: of more than 4 x 4 cells it is not looked up.
+    Holed "holed" (F32, F32, F32, F32) -> (Bool) 20;
     // Primary ray through pixel position (x, y): (origin, direction, near, far).
     Camera "camera" (F32, F32) -> (F32, F32, F32, F32, F32, F32, F32, F32) 40;
     // Where the ray through a pixel position may start, by its tile's beam.

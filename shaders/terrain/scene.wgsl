@@ -19,7 +19,8 @@ struct TerrainScene {
     // 0, which only the host knows.
     zero: u32,
     down: vec3<f32>,
-    padding1: u32,
+    // 1 if the field has voids.
+    voids: u32,
     sun_dir: vec3<f32>,
     padding2: u32,
     sun_color: vec3<f32>,

@@ -99,7 +99,7 @@ pub(super) fn enclose(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) -> 
             let relief = ask(e, Relief, Vec::new());
             e.widen(Interval::new(relief[0], relief[1], Range::ANY), ROUNDED, 0.0)
         }),
-        Hole => {
+        Hole | Holed => {
             e.jumps.push(flag(true));
             vec![Interval::new(flag(false), flag(true), Range::of(Bool))]
         }

@@ -26,7 +26,7 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         Triangulated => Jacobian::Given(GradientTriangulated),
         Nearest | TwistBilinear | TwistSubdivided | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
-        Hole | MicroRow | Means => Jacobian::Flat,
+        Hole | Holed | MicroRow | Means => Jacobian::Flat,
         Highest | Lowest | Inclines | BendBicubic => Jacobian::Unknown,
         TraceTriangulated | TraceBilinear | Camera | BeamStart | Place => Jacobian::Unknown,
         // Of a raster or a baked function.

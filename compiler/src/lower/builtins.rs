@@ -491,6 +491,7 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::PixelWidth => Intrinsic::PixelWidth,
         Builtin::Picture => Intrinsic::Picture,
         Builtin::Hole => Intrinsic::Hole,
+        Builtin::Holed => Intrinsic::Holed,
         _ => return None,
     })
 }

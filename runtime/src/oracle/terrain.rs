@@ -27,6 +27,7 @@ const PLAIN: &[(Builtin, Intrinsic)] = &[
     (Builtin::MicroRow, Intrinsic::MicroRow),
     (Builtin::Means, Intrinsic::Means),
     (Builtin::Hole, Intrinsic::Hole),
+    (Builtin::Holed, Intrinsic::Holed),
 ];
 
 /// Built-ins whose results move in steps or not at all.

@@ -123,11 +123,13 @@ impl<'a> Field<'a> {
         found
     }
 
-    /// Whether the cell under a position touches a void.
-    pub fn hole(&self, x: f64, y: f64) -> bool {
+    /// Whether a cell that a box touches has a void among its corners.
+    pub fn holed(&self, ends: &[f64]) -> bool {
         let grid = |axis: usize, w: f64| (w / self.spacing[axis]).max(0.0).min(self.cells()[axis]);
-        let (i, j) = self.cell(grid(0, x), grid(1, y));
-        self.corners(i, j).is_none()
+        let low = self.cell(grid(0, ends[0]), grid(1, ends[1]));
+        let high = self.cell(grid(0, ends[2]), grid(1, ends[3]));
+        let mut cells = (low.0..=high.0).flat_map(|i| (low.1..=high.1).map(move |j| (i, j)));
+        cells.any(|(i, j)| self.corners(i, j).is_none())
     }
 
     /// 1 where the surface follows the position along the axis, 0 beyond the rim.

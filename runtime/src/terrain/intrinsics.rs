@@ -154,7 +154,8 @@ impl Scene {
             Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
             Intrinsic::Lowest => give(out, &[field.bounds(args)[0]]),
             Intrinsic::Inclines => give(out, &field.inclines(args)),
-            Intrinsic::Hole => give(out, &[f64::from(u8::from(field.hole(args[0], args[1])))]),
+            Intrinsic::Hole => give(out, &[f64::from(u8::from(field.holed(&[args[0], args[1], args[0], args[1]])))]),
+            Intrinsic::Holed => give(out, &[f64::from(u8::from(field.holed(args)))]),
             Intrinsic::Camera => {
                 let (o, d) = self.camera().ray(args[0], args[1]);
                 let (near, far) = (f64::from(uniform.near), f64::from(uniform.far));
@@ -237,7 +238,8 @@ fn evaluate<H: Heights>(
         Intrinsic::Highest => floats(out, &[range::highest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Lowest => floats(out, &[range::lowest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Inclines => floats(out, &range::inclines(scene, heights, &[0, 1, 2, 3].map(arg))),
-        Intrinsic::Hole => out[0] = u32::from(range::hole(scene, heights, arg(0), arg(1))),
+        Intrinsic::Hole => out[0] = u32::from(range::holed(scene, heights, &[0, 1, 0, 1].map(arg))),
+        Intrinsic::Holed => out[0] = u32::from(range::holed(scene, heights, &[0, 1, 2, 3].map(arg))),
         Intrinsic::Camera => floats(out, &camera(scene, arg(0), arg(1))),
         Intrinsic::PixelWidth => floats(out, &scene.pixel_width),
         Intrinsic::Picture => floats(out, &scene.middle.map(|x| 2.0 * x)),

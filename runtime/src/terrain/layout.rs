@@ -36,7 +36,8 @@ pub struct SceneUniform {
     /// 0, which a driver's compiler does not know.
     pub zero: u32,
     pub down: [f32; 3],
-    pub padding1: u32,
+    /// 1 if the field has voids.
+    pub voids: u32,
     /// Towards the sun, unit.
     pub sun_dir: [f32; 3],
     pub padding2: u32,
@@ -75,7 +76,7 @@ mod tests {
 
     fn rust_offsets() -> (Vec<(String, u32)>, u32) {
         let all = offsets![spacing inverse_spacing relief raw_relief z_scale z_offset z_inverse_scale top size
-            fuel projection eye near forward far across zero down padding1 sun_dir padding2 sun_color
+            fuel projection eye near forward far across zero down voids sun_dir padding2 sun_color
             padding3 middle pixel_width levels];
         (all.into_iter().map(|(n, o)| (n.to_owned(), o)).collect(), size_of::<SceneUniform>() as u32)
     }

@@ -61,7 +61,7 @@ pub(super) fn lowest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32;
 const MOST_STEPS: u32 = 3;
 
 /// Least and greatest slope between neighbouring samples of the cells that a box touches, by x and by y: metres a metre.
-/// More than 4 x 4 cells are bounded by the field's relief; a void is a cliff without end.
+/// More than 4 x 4 cells are bounded by the field's relief; beside a void by that of the cells, as surfaces repeat samples there.
 /// Twin of `shaders/terrain/inclines.wgsl`.
 pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> [f32; 4] {
     let Touched { low, high, .. } = touched(scene, ends);
@@ -73,10 +73,14 @@ pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f3
     let row = scene.size[0] as usize;
     let sample = |i: u32, j: u32| heights.sample(j as usize * row + i as usize);
     let (mut found, mut void) = ([[f32::MAX, f32::MIN]; 2], false);
+    let mut relief = [f32::MAX, f32::MIN];
     for j in low[1]..=high[1] + 1 {
         for i in low[0]..=high[0] + 1 {
             let here = sample(i, j);
             void |= here == VOID_F32;
+            if here != VOID_F32 {
+                relief = [relief[0].min(here), relief[1].max(here)];
+            }
             let mut note = |axis: usize, step: f32| {
                 found[axis] = [found[axis][0].min(step), found[axis][1].max(step)];
             };
@@ -89,7 +93,8 @@ pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f3
         }
     }
     if void {
-        return [-1e12, 1e12, -1e12, 1e12];
+        let most = scale.map(|s| (relief[1] - relief[0]).max(0.0) * s);
+        return [-most[0], most[0], -most[1], most[1]];
     }
     let axis = |axis: usize| {
         let size = scene.cells()[axis] as f32 * scene.spacing[axis];
@@ -102,9 +107,16 @@ pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f3
     [x0, x1, y0, y1]
 }
 
-pub(super) fn hole<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> bool {
-    let [i, j] = touched(scene, &[x, y, x, y]).low.map(|i| i as usize);
+/// Whether a cell that a box touches has a void among its corners, or may. Twin of `shaders/terrain/holed.wgsl`.
+pub(super) fn holed<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> bool {
+    if scene.voids == 0 {
+        return false;
+    }
+    let Touched { low, high, .. } = touched(scene, ends);
+    if (high[0] - low[0]).max(high[1] - low[1]) > MOST_STEPS {
+        return true;
+    }
     let row = scene.size[0] as usize;
-    let at = j * row + i;
-    [at, at + 1, at + row, at + row + 1].into_iter().any(|at| heights.sample(at) == VOID_F32)
+    let mut corners = (low[1]..=high[1] + 1).flat_map(|j| (low[0]..=high[0] + 1).map(move |i| (i, j)));
+    corners.any(|(i, j)| heights.sample(j as usize * row + i as usize) == VOID_F32)
 }

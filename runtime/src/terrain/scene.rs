@@ -244,7 +244,7 @@ fn uniform(terrain: &Terrain, camera: &Camera, options: &SceneOptions) -> SceneU
         across: single(camera.across.to_array()),
         zero: 0,
         down: single(camera.down.to_array()),
-        padding1: 0,
+        voids: u32::from(terrain.voids > 0),
         sun_dir: single(options.sun.dir()),
         padding2: 0,
         sun_color: single(options.sun.color()),

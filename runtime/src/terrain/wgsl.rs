@@ -95,7 +95,8 @@ const PIECES: &[Piece] = pieces! {
     "highest" "highest" ["box" "bound"];
     "lowest" "lowest" ["box" "floor"];
     "inclines" "inclines" ["box" "sample"];
-    "hole" "hole" ["box" "corners"];
+    "holed" "holed" ["box" "sample"];
+    "hole" "hole" ["holed"];
     "camera" "camera" ["scene"];
     "beam_start" "beam_start" ["scene"];
     "pixel_width" "pixel_width" ["scene"];

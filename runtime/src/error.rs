@@ -73,6 +73,12 @@ pub enum RunError {
     )]
     Shader(String),
 
+    #[error(
+        "the program has a function that needs more than {limit} variables once what it calls is put in its place; \
+         mark some of what it calls `@task`"
+    )]
+    TooManyVariables { limit: usize },
+
     #[error("not supported yet: {0}")]
     Unsupported(String),
 

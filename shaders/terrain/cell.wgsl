@@ -1,5 +1,5 @@
 // The cell under a ground position. Outside the field the nearest rim counts; a cell that touches a void has the
-// field's lowest height.
+// field's lowest height, but where a sample stands.
 struct TerrainCell {
     corners: TerrainCorners,
     u: f32,
@@ -14,7 +14,7 @@ fn terrain_cell(x: f32, y: f32) -> TerrainCell {
     let j = min(u32(gy), cells.y - 1u);
     var corners = terrain_corners(i, j);
     if terrain_lowest(corners) == TERRAIN_VOID {
-        let low = terrain_scene.raw_relief.x;
+        let low = terrain_at_rim(gx, gy);
         corners = TerrainCorners(low, low, low, low);
     }
     return TerrainCell(corners, gx - f32(i), gy - f32(j));

@@ -1,6 +1,6 @@
 // The 4 x 4 samples around the cell under a ground position, less the cell's south-western one (`base`): rows from south
 // to north, each from west to east. Beyond the rim and beyond a void the nearer sample is repeated; a cell that touches a
-// void has the field's lowest height.
+// void has the field's lowest height, but where a sample stands.
 struct TerrainNeighbours {
     a: vec4<f32>,
     b: vec4<f32>,
@@ -27,7 +27,7 @@ fn terrain_neighbours(x: f32, y: f32) -> TerrainNeighbours {
     let c = terrain_row(j + 1u, i);
     if min(min(b.y, b.z), min(c.y, c.z)) == TERRAIN_VOID {
         let none = vec4<f32>(0.0);
-        return TerrainNeighbours(none, none, none, none, terrain_scene.raw_relief.x, 0.0, 0.0);
+        return TerrainNeighbours(none, none, none, none, terrain_at_rim(gx, gy), 0.0, 0.0);
     }
     let below = terrain_row(max(j, 1u) - 1u, i);
     let above = terrain_row(min(j + 2u, cells.y), i);

@@ -5,11 +5,11 @@
 use super::field::VOID_F32;
 use super::layout::SceneUniform;
 use super::patch::{Bilinear, Corners, Patch};
-use super::surface::slope;
+use super::surface::{at_rim, slope};
 use super::walk::Heights;
 
 /// The 4 x 4 samples around a cell less its south-western one, rows from south to north. Beyond the rim and beyond a
-/// void the nearer sample is repeated; a cell that touches a void has the field's lowest height.
+/// void the nearer sample is repeated; a cell that touches a void has the field's lowest height, but where a sample stands.
 struct Neighbours {
     rows: [[f32; 4]; 4],
     base: f32,
@@ -27,7 +27,7 @@ fn neighbours<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> 
     let row = |j: u32| columns.map(|i| heights.sample((j * scene.size[0] + i) as usize));
     let (b, c) = (row(j), row(j + 1));
     if [b[1], b[2], c[1], c[2]].contains(&VOID_F32) {
-        return Neighbours { rows: [[0.0; 4]; 4], base: scene.raw_relief[0], u: 0.0, v: 0.0 };
+        return Neighbours { rows: [[0.0; 4]; 4], base: at_rim(scene, heights, [gx, gy]), u: 0.0, v: 0.0 };
     }
     let nearer = |outer: [f32; 4], inner: [f32; 4]| {
         [0, 1, 2, 3].map(|k| if outer[k] == VOID_F32 { inner[k] } else { outer[k] })

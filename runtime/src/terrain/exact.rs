@@ -70,8 +70,15 @@ impl<'a> Field<'a> {
         let gx = (x / self.spacing[0]).max(0.0).min(self.cells()[0]);
         let gy = (y / self.spacing[1]).max(0.0).min(self.cells()[1]);
         let (i, j) = self.cell(gx, gy);
-        let flat = Corners { sw: self.low, se: self.low, nw: self.low, ne: self.low };
-        (self.corners(i, j).unwrap_or(flat), gx - f64::from(i), gy - f64::from(j))
+        let flat = |z| Corners { sw: z, se: z, nw: z, ne: z };
+        (self.corners(i, j).unwrap_or_else(|| flat(self.at_rim(gx, gy))), gx - f64::from(i), gy - f64::from(j))
+    }
+
+    /// Height at a grid position in a cell that touches a void: that of the sample on which it stands, else the field's lowest.
+    fn at_rim(&self, gx: f64, gy: f64) -> f64 {
+        let stands = [gx, gy].iter().all(|g| (g - g.round()).abs() <= 2.4e-7 * g.round().max(1.0));
+        let sample = if stands { self.sample(gx.round() as u32, gy.round() as u32) } else { None };
+        sample.unwrap_or(self.low)
     }
 
     pub fn height(&self, surface: Surface, x: f64, y: f64) -> f64 {

@@ -53,7 +53,9 @@ const PIECES: &[Piece] = pieces! {
     "floor.f32" "floors_f32" ["floors"];
     "corners" "corners" ["scene" "sample"];
     "box" "box" ["scene"];
-    "cell" "cell" ["corners"];
+    "rim" "rim" ["scene" "sample"];
+    "cell" "cell" ["corners" "rim"];
+    "onto" "onto" [];
     "slope" "slope" ["scene"];
     "transforms" "transforms" ["scene"];
     "ray" "ray" ["transforms" "planes"];
@@ -77,7 +79,7 @@ const PIECES: &[Piece] = pieces! {
     "means" "means" ["scene" "sample" "mean"];
     "row.i16" "row_i16" ["scene" "sample"];
     "row.f32" "row_f32" ["scene" "sample"];
-    "neighbours" "neighbours" ["scene" "row"];
+    "neighbours" "neighbours" ["scene" "row" "rim"];
     "fine" "fine" ["neighbours"];
     "bicubic" "bicubic" ["neighbours"];
     "gradient_bicubic" "gradient_bicubic" ["neighbours" "slope"];
@@ -85,9 +87,9 @@ const PIECES: &[Piece] = pieces! {
     "subdivided" "subdivided" ["fine" "height_bilinear"];
     "gradient_subdivided" "gradient_subdivided" ["fine" "slope"];
     "twist_subdivided" "twist_subdivided" ["fine" "slope"];
-    "gradient_triangulated" "gradient_triangulated" ["cell" "slope"];
-    "gradient_bilinear" "gradient_bilinear" ["cell" "slope"];
-    "twist_bilinear" "twist_bilinear" ["cell" "slope"];
+    "gradient_triangulated" "gradient_triangulated" ["cell" "onto" "slope"];
+    "gradient_bilinear" "gradient_bilinear" ["cell" "onto" "slope"];
+    "twist_bilinear" "twist_bilinear" ["cell" "onto" "slope"];
     "trace_triangulated" "trace" ["walk_triangulated"];
     "trace_bilinear" "trace" ["walk_bilinear"];
     "occluded_triangulated" "occluded" ["walk_triangulated"];

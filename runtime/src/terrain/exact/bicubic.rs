@@ -42,7 +42,7 @@ impl Field<'_> {
         let (i, j) = self.cell(gx, gy);
         let (u, v) = (gx - f64::from(i), gy - f64::from(j));
         if self.corners(i, j).is_none() {
-            return ([[self.low; 4]; 4], u, v);
+            return ([[self.at_rim(gx, gy); 4]; 4], u, v);
         }
         // What is missing beyond the rim or in a hole is as the sample before it, first along columns, then along rows.
         let known = |c: i64, r: i64| {

@@ -83,7 +83,7 @@ impl<'t> Compiler<'t> {
     fn register(&self, at: u32) -> Result<Register> {
         let end = (1 << 16) - self.code.constants.len() as u32;
         if at >= end {
-            return Err(RunError::Unsupported("a function with more than 65535 variables at once".into()));
+            return Err(RunError::TooManyVariables { limit: 0xffff });
         }
         Ok(at as Register)
     }

@@ -164,6 +164,10 @@ impl Views {
             (Some(text), Some(scene)) => Some(sun_at(text, scene.terrain())?),
             _ => None,
         };
+        let set = looks.iter().filter_map(|look| look.sun).chain(sun);
+        if let Some(below) = set.map(|sun| -sun.elevation).find(|below| *below > 0.0) {
+            eprintln!("the sun is {below:.1} degrees below the horizon: it gives no light");
+        }
         Ok(Views { first, looks, sun, curvature: arguments.curvature, size })
     }
 

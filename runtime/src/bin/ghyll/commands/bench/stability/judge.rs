@@ -78,7 +78,7 @@ pub fn judge(site: &Site, surface: Surface, ray: &Ray, answer: Answer) -> Verdic
         slope
     };
     look(site, ray, answer, real, slope).unwrap_or_else(|| {
-        let others = moves(site, ray).map(|ray| truth(site, surface, &ray));
+        let others: Vec<_> = moves(site, ray).iter().map(|ray| truth(site, surface, ray)).collect();
         if excused(site, answer, &others) { Verdict::Right } else { blame(answer, real) }
     })
 }
@@ -134,14 +134,24 @@ fn apart(site: &Site, ray: &[f64; 8], slope: [f64; 2], distance: f64) -> (f64, f
     (distance.max(0.0) * length / (site.cell() * steep), cosine)
 }
 
-/// The ray moved a little along every axis.
-pub fn moves(site: &Site, ray: &Ray) -> [[f64; 8]; 6] {
-    let step = MOVED * site.cell();
-    std::array::from_fn(|k| {
-        let mut other = ray.map(f64::from);
-        other[k / 2] += if k % 2 == 0 { -step } else { step };
-        other
-    })
+/// The ray moved by at most [`MOVED`] to all sides: along the axes and between them, for where a corner of the rim is met by
+/// rounding two coordinates count at once; and across its own direction, upright and aside, for a peak is met by no ray
+/// that is moved out of the upright plane through it.
+pub fn moves(site: &Site, ray: &Ray) -> Vec<[f64; 8]> {
+    let ray = ray.map(f64::from);
+    let [x, y, z] = [ray[3], ray[4], ray[5]];
+    let signs = [-1.0, 0.0, 1.0];
+    let mut sides: Vec<[f64; 3]> = vec![[-x * z, -y * z, x * x + y * y], [-y, x, 0.0]];
+    sides.extend(sides.clone().iter().map(|side| side.map(|s| -s)));
+    sides.extend(signs.iter().flat_map(|a| signs.iter().flat_map(|b| signs.map(|c| [*a, *b, c]))));
+    let moved = |side: [f64; 3]| {
+        let length = side.iter().map(|s| s * s).sum::<f64>().sqrt();
+        let step = MOVED * site.cell() / length;
+        let mut other = ray;
+        side.iter().zip(&mut other).for_each(|(s, at)| *at += step * s);
+        (length > 0.0).then_some(other)
+    };
+    sides.into_iter().filter_map(moved).collect()
 }
 
 /// Whether one of the moved rays has that answer, or they answer on both sides of it.
@@ -186,5 +196,34 @@ mod tests {
             let up = [500.0, 700.0, 9000.0, 0.0, 0.0, 1.0, 0.0, 1e9];
             assert_eq!(judge(&site, *surface, &up, answer(5.0)), Verdict::Phantom);
         }
+    }
+
+    /// A ray that answers with a hit where it passes an edge of the solid by so many cells, aside of where axes point.
+    fn passing(site: &Site, ray: Ray, t: f64, away: [f64; 3], cells: f64) -> Verdict {
+        let mut ray = ray;
+        (0..3).for_each(|k| ray[k] += (cells * site.cell() * away[k]) as f32);
+        let answer = Answer { hit: 1, distance: (t as f32).to_bits(), occluded: 1 };
+        assert_eq!(truth(site, SURFACES[0], &ray.map(f64::from)), None);
+        judge(site, SURFACES[0], &ray, answer)
+    }
+
+    #[test]
+    fn what_passes_a_corner_of_the_rim_or_a_peak_within_the_bound_is_right() {
+        let corner = Site::new(fields::smallest().unwrap()).unwrap();
+        // Over the field at its north-eastern corner only, and as high as the corner there.
+        let d = [0.9529794, -0.041846137, 0.30013198].map(f64::from);
+        let from: [f64; 3] = std::array::from_fn(|k| 10.0 - 12.2 * d[k]);
+        let ray =
+            [from[0] as f32, from[1] as f32, from[2] as f32, d[0] as f32, d[1] as f32, d[2] as f32, 0.0, 1e9];
+        let out = [0.0, 0.5, 0.8];
+        assert_eq!(passing(&corner, ray, 12.2, out, 0.5e-4), Verdict::Right);
+        assert_eq!(passing(&corner, ray, 12.2, out, 5e-4), Verdict::Phantom);
+
+        let peak = Site::new(fields::spikes().unwrap()).unwrap();
+        let ray = [92.0, 54.0, 100.0, -0.000120120116, -0.00022022022, 0.99999994, 0.0, 1e9];
+        // Across the ray, upright.
+        let out = [0.48, 0.88, 0.00025];
+        assert_eq!(passing(&peak, ray, 99900.0, out, 0.5e-4), Verdict::Right);
+        assert_eq!(passing(&peak, ray, 99900.0, out, 5e-4), Verdict::Phantom);
     }
 }

@@ -107,20 +107,26 @@ struct Tally {
     phantom: u64,
     faults: u64,
     errors: Vec<f32>,
-    /// A ray with the worst verdict, for the bug report.
-    witness: Option<Ray>,
+    /// A ray with the worst verdict, and that of the greatest error, for the bug report.
+    witness: Option<(Ray, Answer)>,
+    farthest: Option<(f64, Ray)>,
 }
 
 impl Tally {
-    fn add(&mut self, ray: &Ray, verdict: Verdict) {
+    fn add(&mut self, ray: &Ray, answer: Answer, verdict: Verdict) {
         match verdict {
             Verdict::Right => return,
-            Verdict::Hit(error) => return self.errors.push(error as f32),
+            Verdict::Hit(error) => {
+                if self.farthest.is_none_or(|(most, _)| error > most) {
+                    self.farthest = Some((error, *ray));
+                }
+                return self.errors.push(error as f32);
+            }
             Verdict::Missed => self.missed += 1,
             Verdict::Phantom => self.phantom += 1,
             Verdict::Fault => self.faults += 1,
         }
-        self.witness.get_or_insert(*ray);
+        self.witness.get_or_insert((*ray, answer));
     }
 
     /// The bounds are those of the 99.9th percentile and of the greatest distance.
@@ -135,8 +141,13 @@ impl Tally {
             ("distance, 99.9th percentile", f64::from(error(0.999)), bounds[0], "cells"),
             ("distance, greatest", f64::from(error(1.0)), bounds[1], "cells"),
         ];
-        if let Some(ray) = self.witness {
-            eprintln!("ghyll: broken: {name} on {backend}, such as the ray {ray:?}");
+        if let Some((ray, answer)) = self.witness {
+            eprintln!("ghyll: broken: {name} on {backend}, such as the ray {ray:?}: {answer}");
+        }
+        if let Some((most, ray)) = self.farthest
+            && (error(0.999) > bounds[0] as f32 || most > bounds[1])
+        {
+            eprintln!("ghyll: broken: {name} on {backend}, off by {most:.1e} cells the ray {ray:?}");
         }
         figures
             .into_iter()
@@ -225,15 +236,12 @@ fn traced(
             let batch = (count - first).min(BATCH as u64);
             let rays: Vec<Ray> = (0..batch).map(|_| (hazard.rays)(site, &mut random)).collect();
             if machines.cpu {
-                let verdict = |ray: &Ray| judge(site, surface, ray, twin(site, surface, ray));
-                let verdicts: Vec<Verdict> = rays.par_iter().map(verdict).collect();
-                rays.iter().zip(verdicts).for_each(|(ray, verdict)| cpu.add(ray, verdict));
+                let answers = rays.par_iter().map(|ray| twin(site, surface, ray)).collect();
+                judged(site, surface, &rays, answers, &mut cpu);
             }
             if let Some(tracer) = &tracer {
                 let answers = tracer.trace(&rays).map_err(Failure::Run)?;
-                let verdict = |(ray, answer): (&Ray, Answer)| judge(site, surface, ray, answer);
-                let verdicts: Vec<Verdict> = rays.par_iter().zip(answers).map(verdict).collect();
-                rays.iter().zip(verdicts).for_each(|(ray, verdict)| gpu.add(ray, verdict));
+                judged(site, surface, &rays, answers, &mut gpu);
             }
         }
         let name = format!("{}, {}", hazard.name, surface.name);
@@ -245,6 +253,15 @@ fn traced(
         }
     }
     Ok(rows)
+}
+
+fn judged(site: &Site, surface: Surface, rays: &[Ray], answers: Vec<Answer>, tally: &mut Tally) {
+    let verdict = |(ray, answer): (&Ray, &Answer)| judge(site, surface, ray, *answer);
+    let verdicts: Vec<Verdict> = rays.par_iter().zip(&answers).map(verdict).collect();
+    rays.iter()
+        .zip(answers)
+        .zip(verdicts)
+        .for_each(|((ray, answer), verdict)| tally.add(ray, answer, verdict));
 }
 
 /// The twin's answer.

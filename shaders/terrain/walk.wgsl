@@ -150,7 +150,7 @@ fn terrain_settled_SURFACE(ray: TerrainRay, node: vec2<i32>, met: vec2<f32>) -> 
     let step = -over.x / over.y;
     let inverse = abs(ray.inverse);
     let rounded = abs(over.x) <= 2.4e-7 * (terrain_highest(corners) - terrain_lowest(corners));
-    let little = abs(step) <= 2e-6 * min(inverse.x, inverse.y);
+    let most = select(2e-6, 1e-5, rounded) * min(inverse.x, inverse.y);
     let base = terrain_sum(ray.start, at.x);
     let t = base.x + (base.y + at.y);
 
@@ -162,7 +162,7 @@ fn terrain_settled_SURFACE(ray: TerrainRay, node: vec2<i32>, met: vec2<f32>) -> 
     if met.y == 0.0 && !rounded && abs(back) <= 2e-6 * inverse[axis] + 6e-8 * abs(t) {
         return t + back;
     }
-    if over.y < 0.0 && (rounded || little) {
+    if over.y < 0.0 && abs(step) <= most {
         return base.x + (base.y + (at.y + step));
     }
     return t;

@@ -385,6 +385,14 @@ fn the_last_step_makes_distances_exact() {
     assert!(off(&spikes, SURFACES[0], &beside) < 1e-6, "{}", off(&spikes, SURFACES[0], &beside));
 }
 
+/// Where the ray hardly sinks a step is as far as its height's rounding is high over that.
+#[test]
+fn the_last_step_is_short() {
+    let fuji = scene(Terrain::builtin());
+    let level = [151.47545, -859.91077, 516.0, 0.0, 1.0, 0.0, 0.0, 1e9];
+    assert!(off(&fuji, SURFACES[0], &level) < 1e-4, "{}", off(&fuji, SURFACES[0], &level));
+}
+
 /// A step that is right at a slope would be none at a wall: it would lead out of the field.
 #[test]
 fn a_wall_is_where_it_stands() {

@@ -297,7 +297,7 @@ fn settle<H: Heights, P: Patch>(
     let [over, change] = P::over(&corners, &reach(ray, corner, corners.at(far), at[0], more, 0.0), far);
     let step = -over / change;
     let rounded = over.abs() <= 2.4e-7 * (corners.highest() - corners.lowest());
-    let little = step.abs() <= 2e-6 * ray.inverse[0].abs().min(ray.inverse[1].abs());
+    let most = if rounded { 1e-5 } else { 2e-6 } * ray.inverse[0].abs().min(ray.inverse[1].abs());
     let base = sum(ray.start, at[0]);
     let t = base[0] + (base[1] + at[1]);
 
@@ -308,7 +308,7 @@ fn settle<H: Heights, P: Patch>(
         -off_plane(ray.origin[axis], ray.dir[axis], t, scene.spacing[axis], entry[axis]) / ray.dir[axis];
     if hit == 0.0 && !rounded && back.abs() <= 2e-6 * ray.inverse[axis].abs() + 6e-8 * t.abs() {
         t + back
-    } else if change < 0.0 && (rounded || little) {
+    } else if change < 0.0 && step.abs() <= most {
         base[0] + (base[1] + (at[1] + step))
     } else {
         t

@@ -3,6 +3,7 @@
 
 mod device;
 mod fields;
+mod general;
 mod judge;
 mod pictures;
 pub mod random;
@@ -205,6 +206,8 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
         }
         rows.extend(pictures::mirrors(&site, group[0].name, &machines)?);
     }
+    let named = |name: &str| arguments.only.as_deref().is_none_or(|part| name.contains(part));
+    rows.extend(general::rows(arguments.rays, named, &machines)?);
     if arguments.only.as_deref().is_none_or(|part| "false shadows".contains(part)) {
         rows.extend(pictures::shadows(arguments.rays, &machines)?);
     }

@@ -7,11 +7,9 @@ use super::fields::Site;
 use super::rays::Ray;
 use ghyll_compiler::intrinsics::Intrinsic;
 
-/// Cells by which a ray may be moved.
-pub const MOVED: f64 = 1e-4;
 /// What single precision knows of a peak's height, of the field's heights. The height over the surface at a cell's end is made of the
 /// ray's height over a corner, products of slopes and places, their sums, and the way's product with the slope along it: a
-/// dozen roundings of at most 2^-24 each, which add up to less than a third of that. It is more than [`MOVED`] only where
+/// dozen roundings of at most 2^-24 each, which add up to less than a third of that. It is more than [`Site::moved`] only where
 /// peaks are 400 cells high.
 const ROUNDED: f64 = 1.0 / 4_194_304.0;
 /// Cosine to the normal under which a ray grazes the surface: an error of height counts there more than tenfold.
@@ -123,7 +121,7 @@ pub fn look(
             if cosine >= GRAZING && error <= 1e-3 {
                 return Some(Verdict::Hit(error));
             }
-            (error * cosine <= MOVED).then_some(Verdict::Right)
+            (error * cosine <= site.moved).then_some(Verdict::Right)
         }
         _ => None,
     }
@@ -152,7 +150,7 @@ fn apart(site: &Site, ray: &[f64; 8], slope: [f64; 2], distance: f64) -> (f64, f
     (distance.max(0.0) * length / (site.cell() * steep), cosine)
 }
 
-/// The ray moved by at most [`MOVED`] to all sides: along the axes and between them, for where a corner of the rim is met by
+/// The ray moved by at most [`Site::moved`] to all sides: along the axes and between them, for where a corner of the rim is met by
 /// rounding two coordinates count at once; and across its own direction, upright and aside, for a peak is met by no ray
 /// that is moved out of the upright plane through it.
 pub fn moves(site: &Site, ray: &Ray, answer: Answer) -> Vec<[f64; 8]> {
@@ -162,7 +160,7 @@ pub fn moves(site: &Site, ray: &Ray, answer: Answer) -> Vec<[f64; 8]> {
     let mut sides: Vec<[f64; 3]> = vec![[-x * z, -y * z, x * x + y * y], [-y, x, 0.0]];
     sides.extend(sides.clone().iter().map(|side| side.map(|s| -s)));
     sides.extend(signs.iter().flat_map(|a| signs.iter().flat_map(|b| signs.map(|c| [*a, *b, c]))));
-    let step = MOVED * site.cell();
+    let step = site.moved * site.cell();
     let moved = |side: [f64; 3]| {
         let length = side.iter().map(|s| s * s).sum::<f64>().sqrt();
         let mut other = ray;
@@ -183,7 +181,7 @@ fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Option<[f64; 8]> {
     };
     let (i, j) = (index(0, terrain.width), index(1, terrain.height));
     // A hair below the peak.
-    let below = 1e-3 * MOVED * site.cell();
+    let below = 1e-3 * site.moved * site.cell();
     let [dx, dy] = terrain.spacing;
     let peak = [f64::from(i) * dx, f64::from(j) * dy, terrain.sample(i, j)? - below];
     let way: [f64; 3] = std::array::from_fn(|k| peak[k] - ray[k]);
@@ -195,14 +193,14 @@ fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Option<[f64; 8]> {
     let off: f64 = (0..3).map(|k| (other[k] - ray[k]).powi(2)).sum();
     let upright =
         ROUNDED * (site.relief[1] - site.relief[0]) * (1.0 - ray[5] * ray[5] / dot(dir, dir)).max(0.0).sqrt();
-    (off.sqrt() <= MOVED * site.cell() + upright).then_some(other)
+    (off.sqrt() <= site.moved * site.cell() + upright).then_some(other)
 }
 
 /// A thousandth of a cell along the surface around a hit, as a distance along the ray, but no more than that over the ground.
 pub fn slack(site: &Site, ray: &Ray, answer: Answer, slope: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
     let [_, _, _, dx, dy, dz, ..] = ray.map(f64::from);
     let t = answer.given().unwrap_or(0.0);
-    let step = MOVED * site.cell();
+    let step = site.moved * site.cell();
     let around = [[step, step], [step, -step], [-step, step], [-step, -step]].map(|by| {
         let at = [0, 1]
             .map(|k| (f64::from(ray[k]) + t * f64::from(ray[k + 3]) + by[k]).clamp(0.0, site.extent[k]));

@@ -23,7 +23,8 @@ use std::sync::Arc;
 
 const PROGRAM: &str = include_str!("../../../../../../../benches/stability/general.ghyll");
 
-const SURFACES: &[&str] = &["bicubic", "subdivided", "nearest", "stony", "rough"];
+/// Without noise and microstructure: the oracle takes a second for a ray through these.
+const SURFACES: &[&str] = &["bicubic", "subdivided", "nearest", "mixed"];
 
 type Place = (&'static str, fn() -> Result<Terrain, String>, &'static [(&'static str, Family)]);
 
@@ -273,7 +274,7 @@ mod tests {
         let wide: Vec<_> = list.iter().map(|ray| ray.map(f64::from)).collect();
         let truth = traced(&site, &programs, &wide).unwrap();
         let slopes = vec![[0.0; 2]; list.len()];
-        let other = answers(&site, &program("stony", "pixel", 3).unwrap(), &list, &Machine::Cpu).unwrap();
+        let other = answers(&site, &program("nearest", "pixel", 3).unwrap(), &list, &Machine::Cpu).unwrap();
         let found = tally(&site, &programs, (&list, &truth, &slopes), other).unwrap();
         assert!(found.missed > 10 && found.phantom > 10, "{} {}", found.missed, found.phantom);
     }

@@ -190,10 +190,14 @@ fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Option<[f64; 8]> {
     let near = dot(way, dir) / dot(dir, dir);
     let mut other = *ray;
     (0..3).for_each(|k| other[k] += way[k] - near * dir[k]);
-    let off: f64 = (0..3).map(|k| (other[k] - ray[k]).powi(2)).sum();
-    let upright =
-        ROUNDED * (site.relief[1] - site.relief[0]) * (1.0 - ray[5] * ray[5] / dot(dir, dir)).max(0.0).sqrt();
-    (off.sqrt() <= site.moved * site.cell() + upright).then_some(other)
+    // What it moves by, aside and upright.
+    let off = [0, 1, 2].map(|k| other[k] - ray[k]);
+    let level = (dir[0] * dir[0] + dir[1] * dir[1]).sqrt();
+    let aside = if level > 0.0 { (off[1] * dir[0] - off[0] * dir[1]) / level } else { 0.0 };
+    let upright = (dot(off, off) - aside * aside).max(0.0).sqrt();
+    let peaks = ROUNDED * (site.relief[1] - site.relief[0]) * level / dot(dir, dir).sqrt();
+    let most = site.moved * site.cell();
+    (aside.abs() <= most && upright <= most + peaks).then_some(other)
 }
 
 /// A thousandth of a cell along the surface around a hit, as a distance along the ray, but no more than that over the ground.

@@ -53,7 +53,7 @@ const PLACES: &[Place] = &[
 /// Pixels of a row, a power of two and one more.
 const WIDTH: u32 = 65;
 /// Rays for each that `--rays` asks for, at the most so many: the oracle takes a while for each.
-const SHARE: f64 = 0.01;
+const SHARE: f64 = 0.002;
 const MOST: u64 = 16_640;
 
 /// What single precision can tell of a surface that is a function of a position in metres. With e = 2^-24 a place on the way is the

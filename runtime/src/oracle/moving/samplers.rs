@@ -102,7 +102,12 @@ fn within<'m>(
     local: [Range; 2],
 ) -> Result<Range> {
     let [u, v] = local.map(|r| Span { lo: r.value.lo.clamp(0.0, 1.0), hi: r.value.hi.clamp(0.0, 1.0) });
-    let at = |a: f64, b: f64| [(f64::from(cell[0]) + a) * texel[0], (f64::from(cell[1]) + b) * texel[1]];
+    // Sides are looked at from within: on the line itself the next cell counts, and that may be a hole.
+    let inside = |k: usize, t: f64| {
+        let shift = if t >= 1.0 { -1e-14 } else { 1e-14 };
+        (f64::from(cell[k]) + t) * (1.0 + shift) * texel[k]
+    };
+    let at = |a: f64, b: f64| [inside(0, a), inside(1, b)];
     let moved = |[east, north]: [Span; 2]| east.mul(local[0].slope).add(north.mul(local[1].slope));
     match kind {
         Kind::Plain(Builtin::Triangulated) => {

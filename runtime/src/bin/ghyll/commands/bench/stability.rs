@@ -131,13 +131,20 @@ impl Tally {
     }
 
     /// The bounds are those of the 99.9th percentile and of the greatest distance.
-    fn rows(mut self, name: &str, backend: &str, adapter: &str, bounds: [f64; 2]) -> Vec<Value> {
+    fn rows(
+        mut self,
+        (name, moved): (&str, f64),
+        backend: &str,
+        adapter: &str,
+        bounds: [f64; 2],
+    ) -> Vec<Value> {
+        let phantom = format!("phantom hits beyond {moved:.0e} cell");
         self.errors.sort_by(f32::total_cmp);
         let last = self.errors.len().saturating_sub(1);
         let error = |share: f64| self.errors.get((last as f64 * share) as usize).copied().unwrap_or(0.0);
         let figures = [
             ("missed hits", self.missed as f64, 0.0, "rays"),
-            ("phantom hits beyond 1e-4 cell", self.phantom as f64, 0.0, "rays"),
+            (phantom.as_str(), self.phantom as f64, 0.0, "rays"),
             ("NaN, or `occluded` disagrees", self.faults as f64, 0.0, "rays"),
             ("distance, 99.9th percentile", f64::from(error(0.999)), bounds[0], "cells"),
             ("distance, greatest", f64::from(error(1.0)), bounds[1], "cells"),
@@ -249,10 +256,10 @@ fn traced(
         }
         let name = format!("{}, {}", hazard.name, surface.name);
         if machines.cpu {
-            rows.extend(cpu.rows(&name, "cpu", "twin", BOUNDS));
+            rows.extend(cpu.rows((&name, site.moved), "cpu", "twin", BOUNDS));
         }
         if let (Some(_), Some(adapter)) = (&tracer, machines.gpu) {
-            rows.extend(gpu.rows(&name, "gpu", &adapter.info().name, BOUNDS));
+            rows.extend(gpu.rows((&name, site.moved), "gpu", &adapter.info().name, BOUNDS));
         }
     }
     Ok(rows)

@@ -133,7 +133,7 @@ fn judged(
     let mut add = |machine: &Machine, backend: &str, adapter: &str| -> Result<(), Failure> {
         let answers = answers(site, &programs.trace, rays, machine)?;
         let tally = tally(site, &programs, (rays, &truth, &slopes), answers)?;
-        rows.extend(tally.rows(name, backend, adapter, [site.moved, 1e-3]));
+        rows.extend(tally.rows((name, site.moved), backend, adapter, [site.moved, 1e-3]));
         Ok(())
     };
     if machines.cpu {

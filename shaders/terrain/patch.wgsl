@@ -1,4 +1,4 @@
-// The ray's way through a cell: local entry, z over the south-west corner there, direction and length in s. The entry may
+// The ray's way through a cell: local entry, z over the corner that it is seen from, direction and length in s. The entry may
 // lie outside the cell by a rounding; the surface goes on there.
 struct TerrainWay {
     u: f32,

@@ -172,9 +172,15 @@ fn terrain_placed(old: TerrainRay) -> TerrainRay {
 
 // Cell and position in it of origin + t * dir along one axis; the cell is one of 0 to last.
 fn terrain_place(origin: f32, dir: f32, t: f32, unit: f32, inverse: f32, last: f32) -> vec2<f32> {
+    let x = origin + t * dir;
+    let index = clamp(floor(x * inverse), 0.0, last);
+    return vec2<f32>(index, terrain_off_plane(origin, dir, t, unit, index) * inverse);
+}
+
+// Metres by which origin + t * dir is beyond a grid plane, without loss.
+fn terrain_off_plane(origin: f32, dir: f32, t: f32, unit: f32, plane: f32) -> f32 {
     let way = terrain_product(t, dir);
     let x = terrain_sum(origin, way.x);
-    let index = clamp(floor(x.x * inverse), 0.0, last);
-    let edge = terrain_product(index, unit);
-    return vec2<f32>(index, (((x.x - edge.x) - edge.y) + (x.y + way.y)) * inverse);
+    let edge = terrain_product(plane, unit);
+    return ((x.x - edge.x) - edge.y) + (x.y + way.y);
 }

@@ -11,7 +11,7 @@ fn trace_SURFACE(
     if !ray.valid {
         return trace_SURFACE_result(false, 0.0);
     }
-    let t = terrain_walk_SURFACE(ray);
+    let t = terrain_walk_SURFACE(ray, true);
     if t <= TERRAIN_NEVER {
         return trace_SURFACE_result(false, 0.0);
     }

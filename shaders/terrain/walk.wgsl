@@ -2,10 +2,11 @@
 //
 // The position is a node's integer index and nothing else; it changes by steps, descents and ascents, so no rounding
 // can lead to a node twice.
+// `settled` asks for the distance as exact as it can be.
 //
 // Three loops: bases of the ray, cells that may be hit, nodes over them. A SIMD machine without branches pays for what a
 // loop holds in every turn of it, so what is dear stands in the loop that turns least.
-fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
+fn terrain_walk_SURFACE(entered: TerrainRay, settled: bool) -> f32 {
     var ray = entered;
     let cells = vec2<i32>(terrain_scene.size) - vec2<i32>(1);
     // 1 where the ray leaves a node through its upper plane.
@@ -25,7 +26,8 @@ fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
     }
     var fuel = terrain_scene.fuel;
     var gone = false;
-    var t = TERRAIN_NEVER;
+    // A distance, and the rest of it.
+    var met = vec2<f32>(0.0, TERRAIN_MISS);
     loop {
         var s = ray.begin;
         var z = ray.low + s * ray.d.z;
@@ -70,8 +72,8 @@ fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
                 break;
             }
             let z_out = ray.low + out * ray.d.z;
-            t = terrain_hit_SURFACE(ray, node, s, out, z, z_out);
-            if t > TERRAIN_NEVER || out >= ray.end {
+            met = terrain_hit_SURFACE(ray, node, s, out, z, z_out);
+            if met.y >= 0.0 || out >= ray.end {
                 break;
             }
             fuel -= 1u;
@@ -88,7 +90,7 @@ fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
             out = min(min(exit.x, exit.y), ray.end);
         }
         // A base ends where the ray is still over the field.
-        if t > TERRAIN_NEVER || ray.last || gone {
+        if met.y >= 0.0 || ray.last || gone {
             break;
         }
         ray = terrain_onward(ray, out);
@@ -96,39 +98,72 @@ fn terrain_walk_SURFACE(entered: TerrainRay) -> f32 {
             break;
         }
     }
-    return t;
+    if met.y < 0.0 {
+        return TERRAIN_NEVER;
+    }
+    if settled {
+        return terrain_settled_SURFACE(ray, node, met);
+    }
+    return ray.start + met.x;
 }
 
-// The world's t where the ray meets the cell that it is in between two distances. The heights are the walk's, a little too
+// Where the ray meets the cell that it is in between two distances: a distance, and the rest of it, less than 0 for none. The heights are the walk's, a little too
 // low; what decides is computed here from the base without loss.
-fn terrain_hit_SURFACE(ray: TerrainRay, node: vec2<i32>, entry: f32, out: f32, z: f32, z_out: f32) -> f32 {
+fn terrain_hit_SURFACE(ray: TerrainRay, node: vec2<i32>, entry: f32, out: f32, z: f32, z_out: f32) -> vec2<f32> {
     let corners = terrain_corners(u32(node.x), u32(node.y));
     let highest = terrain_highest(corners);
     if min(z, z_out) > highest || terrain_lowest(corners) == TERRAIN_VOID {
-        return TERRAIN_NEVER;
+        return vec2<f32>(0.0, TERRAIN_MISS);
     }
     // From high above, begin where the cell's top is near.
     let s = min(entry + max(z - highest, 0.0) * ray.fall * 0.999999, out);
+    let way = terrain_reach_SURFACE(ray, node, corners.sw, s, s * ray.rest, out - s);
+    return vec2<f32>(s, terrain_patch_SURFACE(corners, way));
+}
+
+// The way from s on, seen from a sample of that height: computed from the base without loss. `more` is what single precision leaves out of it.
+fn terrain_reach_SURFACE(ray: TerrainRay, corner: vec2<i32>, height: f32, s: f32, more: vec3<f32>, length: f32) -> TerrainWay {
     let upper = terrain_high(s);
     let lower = s - upper;
     // s * d, and what rounding lost of it.
     let p = bitcast<vec3<f32>>(bitcast<vec3<u32>>(s * ray.d) ^ vec3<u32>(terrain_scene.zero));
     let dh = bitcast<vec3<f32>>(bitcast<vec3<u32>>(ray.d) & vec3<u32>(0xfffff000u));
     let dl = ray.d - dh;
-    let lost = (((upper * dh - p) + upper * dl + lower * dh) + lower * dl) + s * ray.rest;
-    let place = (vec2<f32>(ray.cell - node) + p.xy) + (lost.xy + ray.p);
-    let above = terrain_sum(ray.z.x, -corners.sw);
-    let way = TerrainWay(
-        place.x,
-        place.y,
-        (above.x + p.z) + (above.y + (ray.z.y + lost.z)),
-        ray.d,
-        out - s,
-    );
-    let hit = terrain_patch_SURFACE(corners, way);
-    if hit < 0.0 {
-        return TERRAIN_NEVER;
+    let lost = (((upper * dh - p) + upper * dl + lower * dh) + lower * dl) + more;
+    let place = (vec2<f32>(ray.cell - corner) + p.xy) + (lost.xy + ray.p);
+    let above = terrain_sum(ray.z.x, -height);
+    return TerrainWay(place.x, place.y, (above.x + p.z) + (above.y + (ray.z.y + lost.z)), ray.d, length);
+}
+
+// The world's t. A root is as exact as the way through a cell is long and as its corners are far apart; one step of Newton's
+// method, seen from the nearest corner, makes it as exact as heights there are. It is left out where it is more than such
+// roundings: there the ray grazes, or it came in under the surface, at a wall along the rim or a void. Then it is one step to
+// the wall, for distances to planes are only as exact as the way from a base.
+fn terrain_settled_SURFACE(ray: TerrainRay, node: vec2<i32>, met: vec2<f32>) -> f32 {
+    let corners = terrain_corners(u32(node.x), u32(node.y));
+    let at = terrain_sum(met.x, met.y);
+    let far = vec2<f32>(ray.cell - node) + (at.x * ray.d.xy + ray.p) > vec2<f32>(0.5);
+    let height = select(select(corners.sw, corners.se, far.x), select(corners.nw, corners.ne, far.x), far.y);
+    let corner = node + select(vec2<i32>(0), vec2<i32>(1), far);
+    let way = terrain_reach_SURFACE(ray, corner, height, at.x, at.x * ray.rest + at.y * ray.d, 0.0);
+    let over = terrain_over_SURFACE(corners, way, far);
+    let step = -over.x / over.y;
+    let inverse = abs(ray.inverse);
+    let rounded = abs(over.x) <= 2.4e-7 * (terrain_highest(corners) - terrain_lowest(corners));
+    let most = select(2e-6, 1e-5, rounded) * min(inverse.x, inverse.y);
+    let base = terrain_sum(ray.start, at.x);
+    let t = base.x + (base.y + at.y);
+
+    let entry = node + select(vec2<i32>(0), vec2<i32>(1), ray.d.xy < vec2<f32>(0.0));
+    let distance = terrain_planes(ray, entry);
+    let axis = select(0u, 1u, distance.y > distance.x);
+    let dir = ray.dir[axis];
+    let back = -terrain_off_plane(ray.origin[axis], dir, t, terrain_scene.spacing[axis], f32(entry[axis])) / dir;
+    if met.y == 0.0 && !rounded && abs(back) <= 2e-6 * inverse[axis] + 6e-8 * abs(t) {
+        return t + back;
     }
-    let t = terrain_sum(ray.start, s);
-    return t.x + (t.y + hit);
+    if over.y < 0.0 && abs(step) <= most {
+        return base.x + (base.y + (at.y + step));
+    }
+    return t;
 }

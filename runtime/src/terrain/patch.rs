@@ -16,12 +16,22 @@ impl Corners {
         self.sw.min(self.se).min(self.nw.min(self.ne))
     }
 
+    /// In the east, in the north.
+    pub fn at(&self, [east, north]: [bool; 2]) -> f32 {
+        match (east, north) {
+            (false, false) => self.sw,
+            (true, false) => self.se,
+            (false, true) => self.nw,
+            (true, true) => self.ne,
+        }
+    }
+
     pub fn highest(&self) -> f32 {
         self.sw.max(self.se).max(self.nw.max(self.ne))
     }
 }
 
-/// The ray's way through a cell: local entry, z over the south-west corner there, direction and length in s. The entry
+/// The ray's way through a cell: local entry, z over the corner that it is seen from, direction and length in s. The entry
 /// may lie outside the cell by a rounding; the surface goes on there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
@@ -37,6 +47,9 @@ pub(super) struct Way {
 /// How a cell is interpolated.
 pub(super) trait Patch {
     fn height(corners: &Corners, u: f32, v: f32) -> f32;
+    /// Height over the surface at the way's entry, and its change by s; the way is seen from one of the corners, which is in
+    /// the east, in the north.
+    fn over(corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2];
     /// Metres of s behind the entry, negative for a miss.
     fn intersect(corners: &Corners, way: &Way) -> f32;
 }
@@ -52,18 +65,25 @@ impl Patch for Bilinear {
         south * (1.0 - v) + north * v
     }
 
+    fn over(corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2] {
+        let [south_edge, north_edge] = [corners.se - corners.sw, corners.ne - corners.nw];
+        let east = if from[1] { north_edge } else { south_edge };
+        let north = if from[0] { corners.ne - corners.se } else { corners.nw - corners.sw };
+        let twist = north_edge - south_edge;
+        [
+            way.z - (east * way.u + (north + twist * way.u) * way.v),
+            way.dz - east * way.du - north * way.dv - twist * (way.u * way.dv + way.v * way.du),
+        ]
+    }
+
     fn intersect(corners: &Corners, way: &Way) -> f32 {
-        let east = corners.se - corners.sw;
-        let north = corners.nw - corners.sw;
-        let twist = (corners.ne - corners.nw) - east;
-        let f_in = way.z - (east * way.u + (north + twist * way.u) * way.v);
+        let [f_in, b] = Bilinear::over(corners, way, [false; 2]);
         if f_in <= 0.0 {
             return 0.0;
         }
 
         // f(s) = a s^2 + b s + f_in
-        let a = -(twist * way.du * way.dv);
-        let b = way.dz - east * way.du - north * way.dv - twist * (way.u * way.dv + way.v * way.du);
+        let a = -(((corners.ne - corners.nw) - (corners.se - corners.sw)) * way.du * way.dv);
         let f_out = f_in + way.length * (b + way.length * a);
         // Both ends above: only a dip below the surface in between can hit.
         if f_out > 0.0 && !(a > 0.0 && b < 0.0 && -b < 2.0 * a * way.length) {
@@ -83,6 +103,17 @@ impl Patch for Bilinear {
 /// Split along the diagonal from the north-east to the south-west corner.
 pub(super) struct Triangulated;
 
+impl Triangulated {
+    /// Slopes of the half that the way enters by, and of the other; the surface is linear in each. `side` is how far the entry is
+    /// from the diagonal.
+    fn halves(c: &Corners, way: &Way, side: f32) -> [[f32; 2]; 2] {
+        let lower = side > 0.0 || (side == 0.0 && way.du - way.dv >= 0.0);
+        let south_east = [c.se - c.sw, c.ne - c.se];
+        let north_west = [c.ne - c.nw, c.nw - c.sw];
+        if lower { [south_east, north_west] } else { [north_west, south_east] }
+    }
+}
+
 impl Patch for Triangulated {
     fn height(c: &Corners, u: f32, v: f32) -> f32 {
         if u >= v {
@@ -92,19 +123,19 @@ impl Patch for Triangulated {
         }
     }
 
+    fn over(corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2] {
+        let [first, _] = Triangulated::halves(corners, way, way.u - way.v + aside(from));
+        [way.z - (first[0] * way.u + first[1] * way.v), way.dz - first[0] * way.du - first[1] * way.dv]
+    }
+
     fn intersect(corners: &Corners, way: &Way) -> f32 {
-        let side = way.u - way.v;
-        let turn = way.du - way.dv;
-        // The surface is linear up to the diagonal and behind it.
-        let lower = side > 0.0 || (side == 0.0 && turn >= 0.0);
-        let south_east = [corners.se - corners.sw, corners.ne - corners.se];
-        let north_west = [corners.ne - corners.nw, corners.nw - corners.sw];
-        let [first, second] = if lower { [south_east, north_west] } else { [north_west, south_east] };
-        let f_in = way.z - (first[0] * way.u + first[1] * way.v);
+        let [f_in, b] = Triangulated::over(corners, way, [false; 2]);
         if f_in <= 0.0 {
             return 0.0;
         }
-        let b = way.dz - first[0] * way.du - first[1] * way.dv;
+        let side = way.u - way.v;
+        let turn = way.du - way.dv;
+        let [_, second] = Triangulated::halves(corners, way, side);
         if side * (side + turn * way.length) < 0.0 {
             let s = (-side / turn).min(way.length);
             let f_mid = f_in + s * b;
@@ -118,4 +149,9 @@ impl Patch for Triangulated {
         let f_out = f_in + way.length * b;
         if f_out > 0.0 { MISS } else { way.length * (f_in / (f_in - f_out)) }
     }
+}
+
+/// How far a corner is from the diagonal.
+fn aside(from: [bool; 2]) -> f32 {
+    f32::from(u8::from(from[0])) - f32::from(u8::from(from[1]))
 }

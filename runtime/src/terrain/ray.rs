@@ -181,11 +181,17 @@ fn placed(scene: &SceneUniform, ray: GridRay) -> Option<GridRay> {
 
 /// Cell and position in it of `origin + t * dir` along one axis; the cell is one of 0 to `last`.
 fn place(origin: f32, dir: f32, t: f32, (unit, inverse): (f32, f32), last: i32) -> (i32, f32) {
+    let x = origin + t * dir;
+    let index = (x * inverse).floor().clamp(0.0, last as f32) as i32;
+    (index, off_plane(origin, dir, t, unit, index) * inverse)
+}
+
+/// Metres by which `origin + t * dir` is beyond a grid plane, without loss.
+pub(super) fn off_plane(origin: f32, dir: f32, t: f32, unit: f32, plane: i32) -> f32 {
     let way = product(t, dir);
     let x = sum(origin, way[0]);
-    let index = (x[0] * inverse).floor().clamp(0.0, last as f32);
-    let edge = product(index, unit);
-    (index as i32, (((x[0] - edge[0]) - edge[1]) + (x[1] + way[1])) * inverse)
+    let edge = product(plane as f32, unit);
+    ((x[0] - edge[0]) - edge[1]) + (x[1] + way[1])
 }
 
 /// Distances to the planes `x = i` and `y = j`: the only expression for them, monotone in i and j.

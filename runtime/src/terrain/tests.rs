@@ -360,6 +360,51 @@ fn a_ray_from_10000_km_does_not_begin_below_the_surface() {
     }
 }
 
+/// Cells from the oracle's distance, beyond what rounding it costs.
+fn off(scene: &Scene, surface: Intrinsic, ray: &Ray) -> f64 {
+    let (t, truth) = (single(scene, surface, ray).unwrap(), double(scene, surface, ray, 0.0).unwrap());
+    let rounding = 0.5 * (f64::from(f32::from_bits((t as f32).to_bits() + 1)) - t);
+    let [dx, dy] = scene.terrain().spacing;
+    ((t - truth).abs() - rounding).max(0.0) / dx.min(dy)
+}
+
+/// Cells as long as a hundred of their widths, where a root is only as exact as the way through a cell is long; walls along the
+/// rim, which were as exact as their distance from the base; and a place beside a peak, whose height was that of the peak.
+#[test]
+fn the_last_step_makes_distances_exact() {
+    let row = scene(field(40, 2, [1.0, 100.0], |c, r| ((c * r) % 5) as f32));
+    let wall = [-16.063786, 103.48774, 9.882727, 0.9507578, -0.11638567, -0.28725237, 0.0, 1e9];
+    let slope = [-6.25, 31.0, 2.5, 0.8, 0.59999, -0.0125, 0.0, 1e9];
+    for surface in SURFACES {
+        for ray in [wall, slope] {
+            assert!(off(&row, surface, &ray) < 1e-6, "{surface:?} {ray:?}: {}", off(&row, surface, &ray));
+        }
+    }
+    let spikes = scene(field(101, 90, [1.0, 1.0], |c, r| if c % 7 == 3 && r % 5 == 2 { 1e5 } else { 0.0 }));
+    let beside = [88.03069, 106.98782, 122566.57, -5.736225e-5, -0.00068524235, -0.99999976, 0.0, 1e9];
+    assert!(off(&spikes, SURFACES[0], &beside) < 1e-6, "{}", off(&spikes, SURFACES[0], &beside));
+}
+
+/// Where the ray hardly sinks a step is as far as its height's rounding is high over that.
+#[test]
+fn the_last_step_is_short() {
+    let fuji = scene(Terrain::builtin());
+    let level = [151.47545, -859.91077, 516.0, 0.0, 1.0, 0.0, 0.0, 1e9];
+    assert!(off(&fuji, SURFACES[0], &level) < 1e-4, "{}", off(&fuji, SURFACES[0], &level));
+}
+
+/// A step that is right at a slope would be none at a wall: it would lead out of the field.
+#[test]
+fn a_wall_is_where_it_stands() {
+    let scene = scene(field(9, 9, [10.0, 10.0], |c, _| 5.0 + c as f32));
+    for surface in SURFACES {
+        for depth in [1e-5, 1e-3, 1.0, 4.0] {
+            let ray = [-20.0, 33.0, 5.0 - depth, 1.0, 0.0, 0.0, 0.0, 1e9];
+            assert_eq!(single(&scene, surface, &ray), Some(20.0), "{surface:?} {depth}");
+        }
+    }
+}
+
 /// A box that spans places of every size, some of them beyond the rim or along grid lines.
 fn ends(scene: &Scene, random: &mut Random) -> [f32; 4] {
     let terrain = scene.terrain();

@@ -7,7 +7,7 @@
 use super::field::{VOID_F32, VOID_I16};
 use super::layout::SceneUniform;
 use super::patch::{Corners, Patch, Way};
-use super::ray::{GridRay, WorldRay, enter, onward, planes};
+use super::ray::{GridRay, WorldRay, enter, off_plane, onward, planes};
 use super::transforms::{high, sum};
 
 /// Samples and bounds as raw floats.
@@ -189,8 +189,8 @@ fn walk<H: Heights, P: Patch, M: Meter>(
             meter.count();
             let z_out = ray.low + out * ray.d[2];
             let found = cell::<H, P>(scene, heights, &ray, node, (s, out), (z, z_out));
-            if found.is_some() {
-                return found;
+            if let Some(met) = found {
+                return Some(settle::<H, P>(scene, heights, &ray, node, met));
             }
             if out >= ray.end {
                 break;
@@ -216,7 +216,7 @@ fn walk<H: Heights, P: Patch, M: Meter>(
     }
 }
 
-/// The world's t where the ray meets the cell that it is in between two distances. The heights are the walk's, a little too
+/// Where the ray meets the cell that it is in between two distances: a distance, and the rest of it. The heights are the walk's, a little too
 /// low; what decides is computed here from the base without loss.
 #[inline]
 fn cell<H: Heights, P: Patch>(
@@ -226,21 +226,34 @@ fn cell<H: Heights, P: Patch>(
     node: [i32; 2],
     (s, out): (f32, f32),
     (z, z_out): (f32, f32),
-) -> Option<f32> {
-    let width = scene.size[0] as usize;
-    let at = node[1] as usize * width + node[0] as usize;
-    let corners = Corners {
-        sw: heights.sample(at),
-        se: heights.sample(at + 1),
-        nw: heights.sample(at + width),
-        ne: heights.sample(at + width + 1),
-    };
+) -> Option<[f32; 2]> {
+    let corners = corners(scene, heights, node);
     let highest = corners.highest();
     if z.min(z_out) > highest || corners.lowest() == VOID_F32 {
         return None;
     }
     // From high above, begin where the cell's top is near.
     let s = (s + (z - highest).max(0.0) * ray.fall * 0.999999).min(out);
+    let way = reach(ray, node, corners.sw, s, ray.rest.map(|rest| s * rest), out - s);
+    let hit = P::intersect(&corners, &way);
+    (hit >= 0.0).then_some([s, hit])
+}
+
+#[inline]
+fn corners<H: Heights>(scene: &SceneUniform, heights: &H, node: [i32; 2]) -> Corners {
+    let width = scene.size[0] as usize;
+    let at = node[1] as usize * width + node[0] as usize;
+    Corners {
+        sw: heights.sample(at),
+        se: heights.sample(at + 1),
+        nw: heights.sample(at + width),
+        ne: heights.sample(at + width + 1),
+    }
+}
+
+/// The way from s on, seen from a sample of that height: computed from the base without loss. `more` is what single precision leaves out of it.
+#[inline]
+fn reach(ray: &GridRay, at: [i32; 2], corner: f32, s: f32, more: [f32; 3], length: f32) -> Way {
     let upper = high(s);
     let lower = s - upper;
     // s * d, and what rounding lost of it.
@@ -248,25 +261,56 @@ fn cell<H: Heights, P: Patch>(
         let d = ray.d[axis];
         let p = s * d;
         let (dh, dl) = (high(d), d - high(d));
-        [p, (((upper * dh - p) + upper * dl + lower * dh) + lower * dl) + s * ray.rest[axis]]
+        [p, (((upper * dh - p) + upper * dl + lower * dh) + lower * dl) + more[axis]]
     });
     let place =
-        |axis: usize| ((ray.cell[axis] - node[axis]) as f32 + way[axis][0]) + (way[axis][1] + ray.p[axis]);
-    let above = sum(ray.z[0], -corners.sw);
-    let hit = P::intersect(
-        &corners,
-        &Way {
-            u: place(0),
-            v: place(1),
-            z: (above[0] + way[2][0]) + (above[1] + (ray.z[1] + way[2][1])),
-            du: ray.d[0],
-            dv: ray.d[1],
-            dz: ray.d[2],
-            length: out - s,
-        },
-    );
-    (hit >= 0.0).then(|| {
-        let t = sum(ray.start, s);
-        t[0] + (t[1] + hit)
-    })
+        |axis: usize| ((ray.cell[axis] - at[axis]) as f32 + way[axis][0]) + (way[axis][1] + ray.p[axis]);
+    let above = sum(ray.z[0], -corner);
+    Way {
+        u: place(0),
+        v: place(1),
+        z: (above[0] + way[2][0]) + (above[1] + (ray.z[1] + way[2][1])),
+        du: ray.d[0],
+        dv: ray.d[1],
+        dz: ray.d[2],
+        length,
+    }
+}
+
+/// The world's t. A root is as exact as the way through a cell is long and as its corners are far apart; one step of Newton's
+/// method, seen from the nearest corner, makes it as exact as heights there are. It is left out where it is more than such
+/// roundings: there the ray grazes, or it came in under the surface, at a wall along the rim or a void. Then it is one step to
+/// the wall, for distances to planes are only as exact as the way from a base.
+fn settle<H: Heights, P: Patch>(
+    scene: &SceneUniform,
+    heights: &H,
+    ray: &GridRay,
+    node: [i32; 2],
+    [s, hit]: [f32; 2],
+) -> f32 {
+    let corners = corners(scene, heights, node);
+    let at = sum(s, hit);
+    let more = [0, 1, 2].map(|axis| at[0] * ray.rest[axis] + at[1] * ray.d[axis]);
+    let far =
+        [0, 1].map(|axis| (ray.cell[axis] - node[axis]) as f32 + (at[0] * ray.d[axis] + ray.p[axis]) > 0.5);
+    let corner = [0, 1].map(|axis| node[axis] + i32::from(far[axis]));
+    let [over, change] = P::over(&corners, &reach(ray, corner, corners.at(far), at[0], more, 0.0), far);
+    let step = -over / change;
+    let rounded = over.abs() <= 2.4e-7 * (corners.highest() - corners.lowest());
+    let most = if rounded { 1e-5 } else { 2e-6 } * ray.inverse[0].abs().min(ray.inverse[1].abs());
+    let base = sum(ray.start, at[0]);
+    let t = base[0] + (base[1] + at[1]);
+
+    let entry = [0, 1].map(|axis| node[axis] + i32::from(ray.d[axis] < 0.0));
+    let distance = planes(ray, entry[0], entry[1]);
+    let axis = usize::from(distance[1] > distance[0]);
+    let back =
+        -off_plane(ray.origin[axis], ray.dir[axis], t, scene.spacing[axis], entry[axis]) / ray.dir[axis];
+    if hit == 0.0 && !rounded && back.abs() <= 2e-6 * ray.inverse[axis].abs() + 6e-8 * t.abs() {
+        t + back
+    } else if change < 0.0 && step.abs() <= most {
+        base[0] + (base[1] + (at[1] + step))
+    } else {
+        t
+    }
 }

@@ -94,9 +94,6 @@ fn swollen(s: Span, by: f64) -> Span {
     Span { lo: middle - by * half, hi: middle + by * half }.add(Span { lo: -1e-300, hi: 1e-300 })
 }
 
-/// How far inside of its cell a patch is looked up, in cells: more than the rounding of positions, less than any answer tells.
-const EDGE: f64 = 1e-10;
-
 /// Within one cell, at local positions.
 fn within<'m>(
     oracle: &mut Evaluator<'m>,
@@ -105,11 +102,12 @@ fn within<'m>(
     local: [Range; 2],
 ) -> Result<Range> {
     let [u, v] = local.map(|r| Span { lo: r.value.lo.clamp(0.0, 1.0), hi: r.value.hi.clamp(0.0, 1.0) });
-    // The next cell may be a hole, where heights are others.
-    let inside = |a: f64| a.clamp(EDGE, 1.0 - EDGE);
-    let at = |a: f64, b: f64| {
-        [(f64::from(cell[0]) + inside(a)) * texel[0], (f64::from(cell[1]) + inside(b)) * texel[1]]
+    // Sides are looked at from within: on the line itself the next cell counts, and that may be a hole.
+    let inside = |k: usize, t: f64| {
+        let shift = if t >= 1.0 { -1e-14 } else { 1e-14 };
+        (f64::from(cell[k]) + t) * (1.0 + shift) * texel[k]
     };
+    let at = |a: f64, b: f64| [inside(0, a), inside(1, b)];
     let moved = |[east, north]: [Span; 2]| east.mul(local[0].slope).add(north.mul(local[1].slope));
     match kind {
         Kind::Plain(Builtin::Triangulated) => {

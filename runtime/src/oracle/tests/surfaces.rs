@@ -5,6 +5,7 @@ use super::check;
 use crate::oracle::{OracleOptions, components, evaluate};
 use crate::terrain::{Scene, SceneOptions, Terrain};
 use crate::value::Value;
+use ghyll_compiler::core::Intrinsic;
 use std::sync::Arc;
 
 const SIDE: u32 = 33;
@@ -145,6 +146,30 @@ fn a_planted_difference_is_seen() {
     assert!(worst("bicubic(p) + 1e-4", BOWL, BOWL) > 5e-5);
     // A bowl is not what bilinear makes of it.
     assert!(worst("bilinear(p)", BOWL, BOWL) > 1e-3);
+}
+
+/// A cell's far sides are its neighbour's near ones, which is a hole here.
+#[test]
+fn cells_beside_a_hole_are_met_where_they_are() {
+    let scene = scene(|x, y| if (x, y) == (200.0, 160.0) { f64::NAN } else { PLANE.height(x, y) });
+    let rays: Vec<Ray> = (0..20)
+        .map(|i| {
+            let (x, y) = (180.3 + 0.48 * f64::from(i), 150.2 + 0.49 * f64::from(i));
+            let z = PLANE.height(x, y);
+            [x - 6.0, y - 3.0, z + 8.0, 0.6, 0.3, -0.8]
+        })
+        .collect();
+    for surface in ["bilinear(p) + 0.0", "triangulated(p) + 0.0"] {
+        for (ray, found) in rays.iter().zip(traced(&scene, surface, &rays)) {
+            assert!((found.unwrap() - PLANE.meets(*ray)).abs() < 1e-8, "{surface}: {ray:?} {found:?}");
+        }
+    }
+    for (ray, found) in rays.iter().zip(traced(&scene, "bicubic(p)", &rays)) {
+        let t = found.unwrap();
+        let mut z = [0.0];
+        scene.eval_f64(Intrinsic::Bicubic, &[ray[0] + t * ray[3], ray[1] + t * ray[4]], &mut z);
+        assert!((ray[2] + t * ray[5] - z[0]).abs() < 1e-8, "{ray:?} {found:?} {z:?}");
+    }
 }
 
 #[test]

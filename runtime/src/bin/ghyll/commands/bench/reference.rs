@@ -37,12 +37,56 @@ impl World for Seen<'_> {
     }
 }
 
-/// Components of the program's picture, pixel by pixel.
-pub fn reference((checked, compiled): &(Checked, Compiled), world: &Seen) -> Result<Vec<f64>, Failure> {
+/// Every so many columns and rows a pixel, each in the middle of its square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sieve(pub u32);
+
+impl Sieve {
+    pub fn size(self, (width, height): (u32, u32)) -> (u32, u32) {
+        ((width / self.0).max(1), (height / self.0).max(1))
+    }
+
+    fn at(self, place: u32, side: u32) -> u32 {
+        (place * self.0 + self.0 / 2).min(side - 1)
+    }
+
+    /// What is left of a picture of so many floats a pixel.
+    pub fn pick<T: Copy>(self, (width, height): (u32, u32), components: usize, data: &[T]) -> Vec<T> {
+        let (columns, rows) = self.size((width, height));
+        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let pixel = |(column, row)| {
+            let at = self.at(row, height) as usize * width as usize + self.at(column, width) as usize;
+            data[components * at..][..components].iter().copied()
+        };
+        places.flat_map(pixel).collect()
+    }
+}
+
+/// Components of the program's picture at the pixels that a sieve leaves.
+pub fn reference(
+    (checked, compiled): &(Checked, Compiled),
+    world: &Seen,
+    sieve: Sieve,
+) -> Result<Vec<f64>, Failure> {
     let set = compiled.settings.set.iter().map(|(id, setting)| (*id, setting.clone())).collect();
     let options = OracleOptions { timeout: PATIENCE, set, ..OracleOptions::default() };
-    let place = |column: u32, row: u32| [f64::from(column) + 0.5, f64::from(row) + 0.5];
-    let size = (world.directions.width, world.directions.height);
+    let (width, height) = (world.directions.width, world.directions.height);
+    let middle = |place: u32, side: u32| f64::from(sieve.at(place, side)) + 0.5;
+    let place = |column: u32, row: u32| [middle(column, width), middle(row, height)];
+    let size = sieve.size((width, height));
     oracle::components(&checked.module, compiled.entry, size, &place, &options, Some(world))
         .map_err(Failure::run)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sieve_leaves_the_middles() {
+        let data: Vec<u32> = (0..8 * 5).flat_map(|i| [i, 100 + i]).collect();
+        assert_eq!(Sieve(3).size((8, 5)), (2, 1));
+        assert_eq!(Sieve(3).pick((8, 5), 2, &data), [9, 109, 12, 112]);
+        assert_eq!(Sieve(1).pick((8, 5), 2, &data), data);
+    }
 }

@@ -24,14 +24,9 @@ const SPACING: [f64; 2] = [30.0, 30.0];
 
 static ACONCAGUA: &[u8] = include_bytes!("../../../../../../benches/table1/aconcagua.tif");
 
-/// The built-in field, smooth hills, white noise in hills, and the file that the user names.
+/// Those of the paper, and the file that the user names.
 pub fn all(file: Option<&Path>) -> Result<Vec<Site>, Failure> {
-    let mut random = Random(5);
-    let mut sites = vec![
-        fuji(),
-        made("hills", &mut hills)?,
-        made("rough hills", &mut |x, y| hills(x, y) + random.within(0.0, 45.0))?,
-    ];
+    let mut sites = Vec::from(paper()?);
     if let Some(file) = file {
         let terrain =
             Terrain::open(file, &DemOptions::default()).map_err(|e| Failure::Input(e.to_string()))?;

@@ -3,6 +3,7 @@
 
 mod device;
 mod fields;
+mod general;
 mod judge;
 mod pictures;
 pub mod random;
@@ -107,36 +108,54 @@ struct Tally {
     phantom: u64,
     faults: u64,
     errors: Vec<f32>,
-    /// A ray with the worst verdict, for the bug report.
-    witness: Option<Ray>,
+    /// A ray with the worst verdict, and that of the greatest error, for the bug report.
+    witness: Option<(Ray, Answer)>,
+    farthest: Option<(f64, Ray)>,
 }
 
 impl Tally {
-    fn add(&mut self, ray: &Ray, verdict: Verdict) {
+    fn add(&mut self, ray: &Ray, answer: Answer, verdict: Verdict) {
         match verdict {
             Verdict::Right => return,
-            Verdict::Hit(error) => return self.errors.push(error as f32),
+            Verdict::Hit(error) => {
+                if self.farthest.is_none_or(|(most, _)| error > most) {
+                    self.farthest = Some((error, *ray));
+                }
+                return self.errors.push(error as f32);
+            }
             Verdict::Missed => self.missed += 1,
             Verdict::Phantom => self.phantom += 1,
             Verdict::Fault => self.faults += 1,
         }
-        self.witness.get_or_insert(*ray);
+        self.witness.get_or_insert((*ray, answer));
     }
 
     /// The bounds are those of the 99.9th percentile and of the greatest distance.
-    fn rows(mut self, name: &str, backend: &str, adapter: &str, bounds: [f64; 2]) -> Vec<Value> {
+    fn rows(
+        mut self,
+        (name, moved): (&str, f64),
+        backend: &str,
+        adapter: &str,
+        bounds: [f64; 2],
+    ) -> Vec<Value> {
+        let phantom = format!("phantom hits beyond {moved:.0e} cell");
         self.errors.sort_by(f32::total_cmp);
         let last = self.errors.len().saturating_sub(1);
         let error = |share: f64| self.errors.get((last as f64 * share) as usize).copied().unwrap_or(0.0);
         let figures = [
             ("missed hits", self.missed as f64, 0.0, "rays"),
-            ("phantom hits beyond 1e-4 cell", self.phantom as f64, 0.0, "rays"),
+            (phantom.as_str(), self.phantom as f64, 0.0, "rays"),
             ("NaN, or `occluded` disagrees", self.faults as f64, 0.0, "rays"),
             ("distance, 99.9th percentile", f64::from(error(0.999)), bounds[0], "cells"),
             ("distance, greatest", f64::from(error(1.0)), bounds[1], "cells"),
         ];
-        if let Some(ray) = self.witness {
-            eprintln!("ghyll: broken: {name} on {backend}, such as the ray {ray:?}");
+        if let Some((ray, answer)) = self.witness {
+            eprintln!("ghyll: broken: {name} on {backend}, such as the ray {ray:?}: {answer}");
+        }
+        if let Some((most, ray)) = self.farthest
+            && (error(0.999) > bounds[0] as f32 || most > bounds[1])
+        {
+            eprintln!("ghyll: broken: {name} on {backend}, off by {most:.1e} cells the ray {ray:?}");
         }
         figures
             .into_iter()
@@ -194,6 +213,8 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
         }
         rows.extend(pictures::mirrors(&site, group[0].name, &machines)?);
     }
+    let named = |name: &str| arguments.only.as_deref().is_none_or(|part| name.contains(part));
+    rows.extend(general::rows(arguments.rays, named, &machines)?);
     if arguments.only.as_deref().is_none_or(|part| "false shadows".contains(part)) {
         rows.extend(pictures::shadows(arguments.rays, &machines)?);
     }
@@ -225,26 +246,32 @@ fn traced(
             let batch = (count - first).min(BATCH as u64);
             let rays: Vec<Ray> = (0..batch).map(|_| (hazard.rays)(site, &mut random)).collect();
             if machines.cpu {
-                let verdict = |ray: &Ray| judge(site, surface, ray, twin(site, surface, ray));
-                let verdicts: Vec<Verdict> = rays.par_iter().map(verdict).collect();
-                rays.iter().zip(verdicts).for_each(|(ray, verdict)| cpu.add(ray, verdict));
+                let answers = rays.par_iter().map(|ray| twin(site, surface, ray)).collect();
+                judged(site, surface, &rays, answers, &mut cpu);
             }
             if let Some(tracer) = &tracer {
                 let answers = tracer.trace(&rays).map_err(Failure::Run)?;
-                let verdict = |(ray, answer): (&Ray, Answer)| judge(site, surface, ray, answer);
-                let verdicts: Vec<Verdict> = rays.par_iter().zip(answers).map(verdict).collect();
-                rays.iter().zip(verdicts).for_each(|(ray, verdict)| gpu.add(ray, verdict));
+                judged(site, surface, &rays, answers, &mut gpu);
             }
         }
         let name = format!("{}, {}", hazard.name, surface.name);
         if machines.cpu {
-            rows.extend(cpu.rows(&name, "cpu", "twin", BOUNDS));
+            rows.extend(cpu.rows((&name, site.moved), "cpu", "twin", BOUNDS));
         }
         if let (Some(_), Some(adapter)) = (&tracer, machines.gpu) {
-            rows.extend(gpu.rows(&name, "gpu", &adapter.info().name, BOUNDS));
+            rows.extend(gpu.rows((&name, site.moved), "gpu", &adapter.info().name, BOUNDS));
         }
     }
     Ok(rows)
+}
+
+fn judged(site: &Site, surface: Surface, rays: &[Ray], answers: Vec<Answer>, tally: &mut Tally) {
+    let verdict = |(ray, answer): (&Ray, &Answer)| judge(site, surface, ray, *answer);
+    let verdicts: Vec<Verdict> = rays.par_iter().zip(&answers).map(verdict).collect();
+    rays.iter()
+        .zip(answers)
+        .zip(verdicts)
+        .for_each(|((ray, answer), verdict)| tally.add(ray, answer, verdict));
 }
 
 /// The twin's answer.

@@ -1,7 +1,7 @@
 //! One curve: a surface seen once, met by every method. Frames of all methods are taken in turn.
 
 use super::super::Spread;
-use super::super::reference::{PATIENCE, Seen, reference};
+use super::super::reference::{PATIENCE, Seen, Sieve, reference};
 use super::errors::{Apart, Distances};
 use super::{Method, Row, Setting, traced};
 use crate::failure::Failure;
@@ -24,6 +24,10 @@ fn rgb((width, height): (u32, u32), colors: Vec<f32>) -> Result<Image, Failure> 
     Image::new(width, height, 3, colors).map_err(|e| Failure::Run(e.to_string()))
 }
 
+/// The oracle takes milliseconds for a ray of a spline.
+const SIEVE: Sieve = Sieve(5);
+
+/// Whole pictures are timed; errors are those of the pixels that the sieve leaves.
 pub fn curve(
     scene: &Scene,
     setting: &Setting,
@@ -42,8 +46,9 @@ pub fn curve(
     let mut exact = (Renderer::default(), traced(&setting.surface, "pixel", true, false)?);
     let mut search = (Renderer::default(), traced(&setting.surface, "pixel", false, false)?);
     let world = Seen { scene, directions: &directions };
-    let (colors, real) = parted(&reference(&exact.1, &world)?);
-    let reference = rgb(size, colors)?;
+    let (colors, real) = parted(&reference(&exact.1, &world, SIEVE)?);
+    let few = SIEVE.size(size);
+    let reference = rgb(few, colors)?;
 
     let mut times = vec![Vec::new(); methods.len()];
     let mut images = Vec::new();
@@ -66,9 +71,10 @@ pub fn curve(
 
     let [near, far] = scene.camera().pixel_width();
     let row = |((method, times), image): ((&Method, Vec<f64>), Image)| -> Result<Row, Failure> {
-        let wide: Vec<f64> = image.data.iter().map(|x| f64::from(*x)).collect();
+        let left = SIEVE.pick(size, 4, &image.data);
+        let wide: Vec<f64> = left.iter().map(|x| f64::from(*x)).collect();
         let (colors, _) = parted(&wide);
-        let found: Vec<f32> = image.data.chunks_exact(4).map(|p| p[3]).collect();
+        let found: Vec<f32> = left.chunks_exact(4).map(|p| p[3]).collect();
         let spread = Spread::of(times);
         Ok(Row {
             setting: setting.clone(),
@@ -80,7 +86,7 @@ pub fn curve(
             samples: 1,
             ms: [spread.median, spread.least, spread.greatest],
             distances: Some(Distances::of(&found, &real, |t| near + far * t)),
-            apart: Apart::of(&rgb(size, colors)?, &reference)?,
+            apart: Apart::of(&rgb(few, colors)?, &reference)?,
             front: false,
         })
     };

@@ -4,12 +4,17 @@ use super::random::Random;
 use ghyll_runtime::terrain::{Scene, SceneOptions, Terrain, View};
 use std::sync::Arc;
 
+/// Cells by which a ray may be moved: what is nearer is a rounding at a silhouette.
+const MOVED: f64 = 1e-4;
+
 /// A field with what rays aim at.
 pub struct Site {
     pub scene: Scene,
     pub extent: [f64; 2],
     /// Lowest and highest height, apart from each other even where the field is level.
     pub relief: [f64; 2],
+    /// Cells by which a ray may be moved.
+    pub moved: f64,
 }
 
 impl Site {
@@ -18,7 +23,7 @@ impl Site {
         let relief = [terrain.min, terrain.max.max(terrain.min + terrain.spacing[0])];
         let options = SceneOptions { view: View::overview(), size: (96, 96), ..SceneOptions::default() };
         let scene = Scene::new(Arc::new(terrain), &options).map_err(|e| e.to_string())?;
-        Ok(Site { scene, extent, relief })
+        Ok(Site { scene, extent, relief, moved: MOVED })
     }
 
     /// The shorter side of a cell in metres.

@@ -18,15 +18,18 @@ const MIRROR: &str = include_str!("../../../../../../../benches/stability/mirror
 type Shadeless = (&'static str, fn() -> Result<Terrain, String>, bool, &'static [&'static str]);
 
 const SHADELESS: &[Shadeless] = &[
-    ("plane", fields::plane, true, SURFACES),
-    ("level at 8848 m", fields::high, true, SURFACES),
+    ("plane", fields::plane, true, LEVEL),
+    ("level at 8848 m", fields::high, true, LEVEL),
     // A bicubic surface swells around the pits and shades what is behind.
     ("plateau at 8848 m with pits", fields::plateau, true, &["bilinear", "triangulated"]),
     ("slope of 23 degrees", fields::tilted, false, SURFACES),
     ("slope of 55 degrees", fields::steep, false, SURFACES),
 ];
 
-const SURFACES: &[&str] = &["bilinear", "triangulated", "bicubic", "subdivided"];
+const SURFACES: &[&str] = &["bilinear", "triangulated", "bicubic", "subdivided", "mixed"];
+const LEVEL: &[&str] = &["bilinear", "triangulated", "bicubic", "subdivided", "mixed", "nearest"];
+/// What is not planar along the rim of a slope.
+const SPLINES: &[&str] = &["bicubic", "subdivided", "mixed"];
 
 /// Falsely shadowed points among as many as there are rays, a million at the most.
 pub fn shadows(points: u64, machines: &Machines) -> Result<Vec<Value>, Failure> {
@@ -35,7 +38,8 @@ pub fn shadows(points: u64, machines: &Machines) -> Result<Vec<Value>, Failure> 
     for (name, field, summits, surfaces) in SHADELESS {
         let site = field().and_then(Site::new).map_err(Failure::Run)?;
         for surface in *surfaces {
-            let set = [("surface", surface.to_string()), ("summits", summits.to_string())];
+            let rim = if SPLINES.contains(surface) { "1" } else { "0" };
+            let set = [("surface", *surface), ("summits", &summits.to_string()), ("rim", rim)];
             let (checked, compiled) = with("shadow", SHADOW, &set)?;
             let name = format!("false shadows, sun at 0.05 to 90 degrees, {name}, {surface}: points");
             rows.extend(counted(&name, &site, (&checked, &compiled), side, machines, |x| x != 0.0)?);
@@ -78,8 +82,8 @@ fn counted(
     Ok(rows)
 }
 
-fn with(name: &str, text: &str, set: &[(&str, String)]) -> Result<(Checked, Compiled), Failure> {
-    let set = set.iter().map(|(name, value)| (name.to_string(), value.clone())).collect();
+fn with(name: &str, text: &str, set: &[(&str, &str)]) -> Result<(Checked, Compiled), Failure> {
+    let set = set.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
     program_with(name, text, &Options { want: Some(EntryKind::Image), set, ..Options::default() })
 }
 

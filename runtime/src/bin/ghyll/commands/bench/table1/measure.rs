@@ -2,7 +2,7 @@
 
 use super::super::errors::Distances;
 use super::super::network::Form;
-use super::super::reference::{PATIENCE, Seen, reference};
+use super::super::reference::{PATIENCE, Seen, Sieve, reference};
 use super::{Cell, Way};
 use crate::failure::Failure;
 use ghyll_compiler::compile::Compiled;
@@ -128,7 +128,7 @@ fn distances(seat: &Seat, form: Form) -> Result<Distances, Failure> {
     } else {
         let directions = draw(&traced.compiled("direction")?)?;
         let seen = Seen { scene: &scene, directions: &directions };
-        reference(&traced.compiled("distance_found")?, &seen)?
+        reference(&traced.compiled("distance_found")?, &seen, Sieve(1))?
     };
     let found = draw(&form.compiled("distance_found")?)?;
     // Pixels are those of the picture that is measured.

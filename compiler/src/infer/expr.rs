@@ -393,6 +393,7 @@ impl Infer<'_, '_> {
             let guard = arm.guard.as_ref().map(|g| self.expr(g, Want::just(Ty::BOOL)));
             let value = self.branch(&arm.value, &mut want);
             self.scope.split_off(mark);
+            self.note_unused_parts(&pattern);
             nodes.push(Arm { pattern, guard, value });
         }
         Node { kind: Kind::Match(Box::new(scrutinee), nodes), ty: want.ty, span }
@@ -445,6 +446,30 @@ impl Infer<'_, '_> {
                 .label("named, but never read")
                 .help(format!("remove the `let`, or call it `_{name}`")),
         );
+    }
+
+    /// The same for the names within the pattern of an arm.
+    fn note_unused_parts(&mut self, pattern: &Pattern) {
+        match &pattern.kind {
+            PatternKind::Wild | PatternKind::Number(_) => {}
+            PatternKind::Bind(id) => {
+                let local = &self.locals[id.0 as usize];
+                if local.used.get() || local.name.starts_with('_') {
+                    return;
+                }
+                let (name, span) = (local.name.clone(), local.span);
+                self.unused.push(
+                    Diagnostic::warning(codes::UNUSED_NAME, span, format!("nothing uses `{name}`"))
+                        .label("named, but never read")
+                        .help(format!("write `_` instead, or call it `_{name}`")),
+                );
+            }
+            // All alternatives bind the same names.
+            PatternKind::Or(parts) => parts.iter().take(1).for_each(|part| self.note_unused_parts(part)),
+            PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) | PatternKind::Variant(_, _, parts) => {
+                parts.iter().for_each(|part| self.note_unused_parts(part));
+            }
+        }
     }
 
     fn with(&mut self, base: &Expr, fields: &[ast::Argument], span: Span, want: Want) -> Node {

@@ -67,15 +67,7 @@ impl Context<'_> {
             ParseError::UnrecognizedEof { expected, .. } => {
                 let mut end = self.lexemes.last().map_or(self.text_end, |&(_, _, end)| end);
                 end = end.min(self.text_end);
-                match self.unclosed.last() {
-                    Some(&(open, close)) => {
-                        let title = format!("expected `{close}`, found the end of the text");
-                        Diagnostic::error(codes::SYNTAX, self.span(end.saturating_sub(1), end), title)
-                            .label("the text ends here")
-                            .also(open, "this is never closed")
-                    }
-                    None => self.unexpected(end.saturating_sub(1), end, None, &expected),
-                }
+                self.unexpected(end.saturating_sub(1), end, None, &expected)
             }
             ParseError::ExtraToken { token: (start, lexeme, end) } => {
                 self.unexpected(start, end, Some(lexeme), &[])
@@ -86,7 +78,7 @@ impl Context<'_> {
         // Recovery can stumble over what directly follows.
         let start = diagnostic.primary.0.start as usize;
         let place = self.lexemes.partition_point(|&(_, _, end)| end <= start);
-        if place < self.silent_to {
+        if self.is_silent(start) {
             return;
         }
         let near =
@@ -101,6 +93,11 @@ impl Context<'_> {
         }
         self.silence_after(place, diagnostic.code);
         self.report(diagnostic);
+    }
+
+    /// What is wrong at a byte follows from what was told.
+    pub(super) fn is_silent(&self, start: usize) -> bool {
+        self.lexemes.partition_point(|&(_, _, end)| end <= start) < self.silent_to
     }
 
     fn unexpected(&self, start: usize, end: usize, found: Option<Lexeme>, expected: &[String]) -> Diagnostic {

@@ -3,7 +3,7 @@
 mod expressions;
 mod items;
 
-use super::Context;
+use super::{Context, Spanned};
 use crate::codes::{self, Code};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Lexeme;
@@ -76,12 +76,17 @@ impl Context<'_> {
             return;
         }
         let ends = |lexeme: &Lexeme| starts_item(lexeme) || passing && *lexeme == Lexeme::Semi;
-        let rest = self.lexemes.iter().skip(place + 1);
-        self.silent_to = place + 1 + rest.take_while(|(_, lexeme, _)| !ends(lexeme)).count();
+        // What looks like items within braces belongs to what another language has in them.
+        let mut depth = 0;
+        let goes_on = |(_, lexeme, _): &&Spanned| {
+            depth += i32::from(*lexeme == Lexeme::LBrace) - i32::from(*lexeme == Lexeme::RBrace);
+            depth > 0 && !passing || !ends(lexeme)
+        };
+        self.silent_to = place + 1 + self.lexemes.iter().skip(place + 1).take_while(goes_on).count();
     }
 }
 
-fn starts_item(lexeme: &Lexeme) -> bool {
+pub(super) fn starts_item(lexeme: &Lexeme) -> bool {
     use Lexeme::*;
     matches!(lexeme, Use | Const | Param | Raster | Fn | Struct | Enum | Type | At)
 }

@@ -101,7 +101,7 @@ pub(super) fn field_braces(p: &Place) -> Option<Diagnostic> {
 /// `fn` within a block.
 pub(super) fn local_function(p: &Place) -> Option<Diagnostic> {
     let named = p.lexeme(0)? == Lexeme::Fn && (p.name(1).is_some() || p.lexeme(1) == Some(Lexeme::LParen));
-    if !named || !p.wants_operand() || !p.cx.unclosed.is_empty() {
+    if !named || !p.wants_operand() {
         return None;
     }
     Some(

@@ -65,6 +65,7 @@ codes! {
     REFERENCE "E0131" "a reference or pointer";
     UNCLOSED "E0132" "a bracket that is never closed";
     UNOPENED "E0133" "a bracket that closes nothing";
+    FOREIGN_PATTERN "E0134" "a pattern of another language";
 
     DUPLICATE "E0201" "two definitions of one name";
     UNKNOWN_NAME "E0202" "a name that nothing defines";

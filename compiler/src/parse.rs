@@ -94,6 +94,7 @@ fn parse<T>(
         let mut cx = Context {
             source,
             text_end: text.len(),
+            text,
             lexemes: lexemes.clone(),
             diagnostics: Vec::new(),
             too_deep: false,
@@ -147,6 +148,7 @@ type Spanned<'s> = (usize, Lexeme<'s>, usize);
 /// What the grammar's actions share.
 pub struct Context<'s> {
     source: SourceId,
+    text: &'s str,
     text_end: usize,
     lexemes: Vec<Spanned<'s>>,
     diagnostics: Vec<Diagnostic>,
@@ -188,7 +190,9 @@ impl Context<'_> {
     /// Reports unless something behind that place is wrong already, of which this would be a consequence.
     fn report_unless_wrong(&mut self, start: usize, diagnostic: Diagnostic) {
         // They come in the order of the text, but for a few of one place.
-        if !self.diagnostics.iter().rev().take(4).any(|d| d.primary.0.end as usize > start) {
+        if !self.is_silent(start)
+            && !self.diagnostics.iter().rev().take(4).any(|d| d.primary.0.end as usize > start)
+        {
             self.report(diagnostic);
         }
     }
@@ -386,12 +390,7 @@ impl Context<'_> {
     ) -> Expr {
         let last = last.unwrap_or_else(|| {
             let at = self.span(start, start + 2);
-            self.report_unless_wrong(
-                start,
-                Diagnostic::error(codes::IF_WITHOUT_ELSE, at, "this `if` has no `else`")
-                    .label("has no value when the condition is false")
-                    .help("`if` is an expression: add `else { .. }`"),
-            );
+            self.report_unless_wrong(start, mistakes::if_without_else(at));
             self.expr(ExprKind::Error, end, end)
         });
         let branches = std::iter::once((condition, value)).chain(rest).collect();
@@ -417,9 +416,9 @@ impl Context<'_> {
     }
 
     /// `value;` in a block.
-    pub fn unused(&mut self, value: &Expr, end: usize) {
+    pub fn unused(&mut self, value: Expr, end: usize) -> Option<Let> {
         if matches!(value.kind, ExprKind::Error) {
-            return;
+            return None;
         }
         let span = self.span(value.span.start as usize, end);
         self.report_unless_wrong(
@@ -427,6 +426,8 @@ impl Context<'_> {
             Diagnostic::error(codes::UNUSED_VALUE, span, "nothing uses this value")
                 .help("name it with `let`, or remove the `;` if it is the value of the block"),
         );
+        let pattern = Pattern { kind: PatternKind::Wild, span: value.span };
+        Some(Let { pattern, ty: None, value })
     }
 
     // Patterns

@@ -26,7 +26,7 @@ use crate::typed::{
 impl Infer<'_, '_> {
     pub(super) fn finish(mut self, node: Node) -> Body {
         // Unknown types are often only the consequence of an error.
-        let quiet = self.has_errors();
+        let quiet = self.quiet || self.has_errors();
         let locals: Vec<(String, Ty, Span)> =
             self.locals.iter().map(|l| (l.name.clone(), l.ty, l.span)).collect();
         let comparable = std::mem::take(&mut self.comparable);

@@ -163,6 +163,16 @@ impl Context<'_> {
                 "a condition stands behind the pattern: `x if x > 3 => ..`"
             }
             Comma if expects("..") => "a range is written `lo..hi`",
+            RBracket if expects(";") && !expects(",") => "the type of an array states its length: `[f32; 4]`",
+            Comma if expects("]") && !expects(",") => "an index is one number: write `m[0][1]`",
+            Ident(_) | Int(_) | Uint(_) | Float(_) | True | False | Hole | LParen | Minus
+                if expects(",") && [")", "]", "}"].into_iter().any(expects) =>
+            {
+                "a comma is missing before this"
+            }
+            _ if expects("struct") && expects("raster") => {
+                "an item begins with `fn`, `const`, `param`, `struct`, `enum`, `type`, `raster` or `use`"
+            }
             _ => return None,
         })
     }

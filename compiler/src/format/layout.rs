@@ -294,6 +294,8 @@ fn lay(tokens: &[Token], pairs: &[Pair]) -> Vec<Line> {
             let indent = if closes { frame.closing } else { indent };
             let open_before = opened && !commented;
             lines.begin(indent, apart && !open_before, i);
+        } else if leading.is_some() {
+            lines.current.code.push(' ');
         } else if let Some(before) = before
             && !lines.current.code.is_empty()
             && match token.comments.is_empty() {

@@ -63,6 +63,9 @@ codes! {
     NO_VALUE "E0129" "a definition without its value";
     NOT_A_LAMBDA "E0130" "a lambda as other languages write it";
     REFERENCE "E0131" "a reference or pointer";
+    UNCLOSED "E0132" "a bracket that is never closed";
+    UNOPENED "E0133" "a bracket that closes nothing";
+    FOREIGN_PATTERN "E0134" "a pattern of another language";
 
     DUPLICATE "E0201" "two definitions of one name";
     UNKNOWN_NAME "E0202" "a name that nothing defines";
@@ -124,6 +127,7 @@ codes! {
     UNUSED_FUNCTION "W0604" "a function that no entry leads to";
     UNUSED_MODULE "W0605" "a module that nothing is taken from";
     UNUSED_PARAM "W0606" "a parameter that nothing reads";
+    LOOKALIKE "W0607" "a new name in a pattern that reads like a variant or constant";
 
     LIVE_FUNCTION "E0906" "a live parameter whose functions cannot be replaced";
 }

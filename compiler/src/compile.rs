@@ -35,8 +35,10 @@ pub struct Options {
 pub enum CompileError {
     /// The program is wrong.
     Program(Report),
-    /// The host asked for something that the program does not have: an entry, a parameter, a value of its type.
+    /// The host asked for something that the program does not have: an entry, a parameter.
     Request(String),
+    /// A value that the host gives a parameter is none of its type.
+    Value(Report),
 }
 
 /// A program ready to run on every machine.
@@ -171,7 +173,7 @@ fn settings(module: &Module, options: &Options) -> Result<Settings, CompileError
         let argument = parse_arguments(module, text, &param.ty).map_err(|report| {
             let sources = report.sources.named(&format!("--set {name}"));
             let diagnostics = report.diagnostics.into_iter().map(|d| unset(module, param, text, d)).collect();
-            CompileError::Program(Report { sources, diagnostics })
+            CompileError::Value(Report { sources, diagnostics })
         })?;
         in_range(module, id, name, &argument.expr)?;
         settings.set.insert(id, Setting { value: argument.expr, locals: argument.locals });

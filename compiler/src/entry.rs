@@ -6,6 +6,8 @@ use crate::diagnostic::{Diagnostic, Report};
 use crate::front::Checked;
 use crate::front::walk::walk;
 use crate::layout;
+use crate::resolve::load::USER;
+use crate::source::{SourceId, Span};
 use crate::typed::{ExprKind, Function, FunctionId, Module, Type};
 
 /// LANGUAGE.md, section 8.
@@ -64,6 +66,16 @@ pub(crate) fn find(checked: &Checked, options: &Options) -> Result<(FunctionId, 
     if !misfits.is_empty() {
         let sources = checked.sources.clone();
         return Err(CompileError::Program(Report { sources, diagnostics: misfits }));
+    }
+    // Nothing could be asked for: the file is wrong, not the question.
+    if options.entry.is_none() && module.functions.iter().all(|f| f.library) {
+        let names: Vec<String> = names.iter().map(|name| format!("`fn {name}`")).collect();
+        let title = format!("the program has no {}: it defines no function", names.join(", "));
+        let start = Span::new(SourceId(USER as u32), 0, 0);
+        let diagnostic = Diagnostic::error(codes::NOT_AN_ENTRY, start, title)
+            .help("write `fn main() -> f32 = ..;` or `fn pixel(p: vec2) -> vec3 = ..;`");
+        let sources = checked.sources.clone();
+        return Err(CompileError::Program(Report { sources, diagnostics: vec![diagnostic] }));
     }
     Err(CompileError::Request(absent(module, options)))
 }

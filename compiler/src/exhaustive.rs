@@ -81,9 +81,7 @@ fn flat(check: &Check, ty: &Type, arms: &[(&Pattern, bool)]) -> Option<Coverage>
         }
     }
     if open {
-        let missing = all.filter(|_| !taken.is_empty());
-        let missing = missing.and_then(|all| all.into_iter().find(|c| !taken.contains(c)));
-        let witness = match missing {
+        let witness = match check.untaken(ty, all, &taken) {
             Some(constructor) => {
                 let fields = check.fields(ty, constructor).iter().map(|_| Witness::Any).collect();
                 Witness::Build(Rc::new(ty.clone()), constructor, fields)
@@ -198,6 +196,9 @@ impl Witness {
         let Witness::Build(ty, constructor, parts) = self else { return "_".to_owned() };
         let name = match (&**ty, constructor) {
             (_, Constructor::Bool(b)) => return b.to_string(),
+            (Type::I32, Constructor::Number(bits)) => return (*bits as u32 as i32).to_string(),
+            (Type::F32, Constructor::Number(bits)) => return format!("{:?}", f32::from_bits(*bits as u32)),
+            (_, Constructor::Number(bits)) => return bits.to_string(),
             (Type::Enum(id, _), Constructor::Variant(i)) => {
                 module.enums[id.0 as usize].variants[*i as usize].name.as_str()
             }
@@ -341,9 +342,7 @@ impl Check<'_> {
         let fits = rows.iter().filter(|row| row[0].alternatives().iter().any(|p| matches!(p, Pat::Wild)));
         let inner: Vec<Row> = fits.map(|row| row[1..].to_vec()).collect();
         let Some(found) = self.useful(&inner, &row[1..], rest)? else { return Ok(None) };
-        let missing =
-            all.filter(|_| !used.is_empty()).and_then(|all| all.into_iter().find(|c| !used.contains(c)));
-        let first = match missing {
+        let first = match self.untaken(ty, all, used) {
             Some(constructor) => {
                 let fields = self.fields(ty, constructor).iter().map(|_| Witness::Any).collect();
                 Witness::Build(ty.clone(), constructor, fields)
@@ -351,6 +350,28 @@ impl Check<'_> {
             None => Witness::Any,
         };
         Ok(Some(std::iter::once(first).chain(found).collect()))
+    }
+
+    /// The first constructor that is not among those mentioned, if there are any of these.
+    fn untaken(
+        &self,
+        ty: &Type,
+        all: Option<Vec<Constructor>>,
+        taken: &FxHashSet<Constructor>,
+    ) -> Option<Constructor> {
+        if taken.is_empty() {
+            return None;
+        }
+        let is_free = |constructor: &Constructor| !taken.contains(constructor);
+        match (all, ty) {
+            (Some(all), _) => all.into_iter().find(is_free),
+            (None, Type::I32) => (0..i32::MAX).map(|i| Constructor::of(Literal::I32(i))).find(is_free),
+            (None, Type::U32) => (0..u32::MAX).map(|u| Constructor::of(Literal::U32(u))).find(is_free),
+            (None, Type::F32) => {
+                (0..u32::MAX).map(|n| Constructor::of(Literal::F32(f64::from(n)))).find(is_free)
+            }
+            _ => None,
+        }
     }
 
     /// All constructors of a type, if they can be listed.

@@ -29,7 +29,12 @@ const STATEMENTS: &[(&[&str], &str)] = &[
     (&["mod", "rem"], "the remainder is `a % b`"),
     (&["div"], "division is `a / b`; of integers it drops the rest"),
     (&["as"], "a conversion is a call: `f32(x)`, `i32(x)`, `u32(x)`"),
-    (&["where", "instanceof"], "write a `match`, or an `if` with `else`"),
+    (&["instanceof"], "write a `match`, or an `if` with `else`"),
+    (
+        &["where"],
+        "names come first, in a block: `{ let x = ..; value }`; a condition of an arm is `x if c => ..`",
+    ),
+    (&["static"], "what never changes is `const NAME = ..;`"),
     (
         &["import", "include", "from", "require", "using", "module", "package"],
         "a module is used by `use terrain;`",
@@ -47,7 +52,6 @@ const STATEMENTS: &[(&[&str], &str)] = &[
             "protected",
             "export",
             "extern",
-            "static",
             "inout",
             "out",
             "varying",

@@ -16,8 +16,10 @@ use crate::diagnostic::{Diagnostic, Report, Severity};
 use crate::infer::{Body, ConstState, Env};
 use crate::resolve::declare::{Declared, declare};
 use crate::resolve::load::{File, Loaded, load};
-use crate::source::{Files, Source, Sources};
+use crate::source::{Files, Source, SourceId, Sources};
 use crate::typed::{self, ConstId, ExprKind, Literal, Module, UnaryOp};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::{Mutex, PoisonError};
 
 /// Trees are bounded but may be deep; this is ample for the deepest.
@@ -38,10 +40,11 @@ pub struct Checked {
 pub fn front(source: Source, files: &dyn Files) -> Result<Checked, Report> {
     on_large_stack(|| {
         let Loaded { sources, files, diagnostics, .. } = load(source, files);
-        let (module, diagnostics) = match diagnostics.is_empty() {
+        // A value that nothing uses leaves the tree as it is, and may be of names that do not exist.
+        let (module, diagnostics) = match diagnostics.iter().all(|d| d.code == codes::UNUSED_VALUE) {
             true => {
-                let (module, diagnostics, _) = check(&files, declare(&files, None));
-                (module, diagnostics)
+                let (module, found, _) = check(&files, declare(&files, None));
+                (module, diagnostics.into_iter().chain(found).collect())
             }
             false => (Module::default(), diagnostics),
         };
@@ -170,6 +173,7 @@ fn number(e: &typed::Expr) -> Option<f64> {
 pub(crate) fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.sort_by_key(|d| (d.primary.0.source, d.primary.0.start, d.primary.0.end, d.code));
     diagnostics.dedup_by(|a, b| a.code == b.code && a.primary.0 == b.primary.0 && a.title == b.title);
+    one_for_each_module(&mut diagnostics);
     if let Some(next) = diagnostics.get(MAX_DIAGNOSTICS).map(|d| d.primary.0) {
         let hidden = diagnostics.split_off(MAX_DIAGNOSTICS);
         let title = "there are more errors or warnings from here on";
@@ -181,6 +185,29 @@ pub(crate) fn ordered(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
         diagnostics.push(last.help("mend the ones above first"));
     }
     diagnostics
+}
+
+/// Names in need of one module are one message.
+fn one_for_each_module(diagnostics: &mut Vec<Diagnostic>) {
+    const MOST_PLACES: usize = 4;
+    let mut kept: Vec<Diagnostic> = Vec::new();
+    let mut first: HashMap<(SourceId, Option<String>), usize> = HashMap::new();
+    for diagnostic in diagnostics.drain(..) {
+        if diagnostic.code == codes::NEEDS_MODULE {
+            match first.entry((diagnostic.primary.0.source, diagnostic.help.clone())) {
+                Entry::Vacant(new) => drop(new.insert(kept.len())),
+                Entry::Occupied(first) => {
+                    let first = &mut kept[*first.get()];
+                    if first.secondary.len() < MOST_PLACES {
+                        first.secondary.push((diagnostic.primary.0, "in that module too".into()));
+                    }
+                    continue;
+                }
+            }
+        }
+        kept.push(diagnostic);
+    }
+    *diagnostics = kept;
 }
 
 #[cfg(test)]

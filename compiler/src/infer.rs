@@ -129,6 +129,7 @@ impl<'e, 'a> Env<'e, 'a> {
             let ty = infer.table.import(&local.ty, &[]);
             infer.bind(&name.text, ty, name.span);
         }
+        infer.quiet = declared.param_types().chain([&declared.result]).any(is_wrong);
         let why = Some((written.result.span, "the result type is stated here"));
         let want = Want { ty: infer.table.import(&declared.result, &[]), why };
         infer.body(&written.body, want)
@@ -208,6 +209,10 @@ struct Infer<'e, 'a> {
     holes: usize,
     /// Warnings about names that nothing reads.
     unused: Vec<Diagnostic>,
+    /// A stated type is wrong, so that others may stay unknown.
+    quiet: bool,
+    /// The names of the `let`s whose values are looked at.
+    bound_to: Vec<String>,
     /// Where fields are called as other languages call methods.
     called: Vec<Span>,
     /// For editors: what names mean.
@@ -243,6 +248,8 @@ impl<'e, 'a> Infer<'e, 'a> {
             errors: 0,
             holes: 0,
             unused: Vec::new(),
+            quiet: false,
+            bound_to: Vec::new(),
             called: Vec::new(),
             noted: Vec::new(),
             here: None,
@@ -406,12 +413,26 @@ impl<'e, 'a> Infer<'e, 'a> {
             {
                 "say what it is when there is none: `match x { Some(v) => v, None => .. }`".to_owned()
             }
+            (Form::Array(_, n), Form::Array(_, m)) if n != m => {
+                format!("this has {n} elements, and {m} are needed")
+            }
             (Form::Fn(params, result), _) if self.table.root(*result) == self.table.root(to) => {
                 let holes = vec![".."; params.len().min(1)].concat();
                 format!("call it: `f({holes})`")
             }
             _ => return None,
         })
+    }
+}
+
+/// Whether a part of a stated type was reported.
+fn is_wrong(ty: &Type) -> bool {
+    match ty {
+        Type::Error => true,
+        Type::Tuple(items) | Type::Struct(_, items) | Type::Enum(_, items) => items.iter().any(is_wrong),
+        Type::Array(item, _) => is_wrong(item),
+        Type::Fn(params, result) => params.iter().any(is_wrong) || is_wrong(result),
+        _ => false,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Runs lexer and grammar, and builds the nodes that need more than the grammar knows: operator chains,
 //! bounded depth, and messages for what is almost right.
 
+mod brackets;
 mod chain;
 mod errors;
 mod mistakes;
@@ -12,7 +13,7 @@ use std::rc::Rc;
 use lalrpop_util::{ErrorRecovery, lalrpop_mod};
 
 use crate::ast::*;
-use crate::codes;
+use crate::codes::{self, Code};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Lexed, Lexeme, lex};
 use crate::source::{SourceId, Span};
@@ -72,9 +73,19 @@ fn parse<T>(
     text: &str,
     run: impl for<'s> Fn(&mut Context<'s>, &[Spanned<'s>]) -> T,
 ) -> Parsed<T> {
-    let Lexed { mut lexemes, diagnostics, unclosed } = lex(source, text);
+    let Lexed { mut lexemes, mut diagnostics, .. } = lex(source, text);
+    let has = |codes: &[Code]| diagnostics.iter().any(|d| codes.contains(&d.code));
     // The text was cut off: what follows would only repeat that.
-    let cut = diagnostics.iter().any(|d| [codes::TOO_DEEP, codes::TOO_LONG].contains(&d.code));
+    let cut = has(&[codes::TOO_DEEP, codes::TOO_LONG]);
+    // A text without its end may hold the brackets that are missed.
+    let swallowed = has(&[codes::UNTERMINATED]);
+    let mut doubtful = Vec::new();
+    if !cut && let Some(repaired) = brackets::repair(source, text, &lexemes) {
+        (lexemes, doubtful) = (repaired.lexemes, repaired.doubtful);
+        if !swallowed {
+            diagnostics.extend(repaired.diagnostics);
+        }
+    }
     let mut repairs: Vec<Diagnostic> = Vec::new();
     let (tree, cx) = loop {
         let index =
@@ -83,8 +94,8 @@ fn parse<T>(
         let mut cx = Context {
             source,
             text_end: text.len(),
+            text,
             lexemes: lexemes.clone(),
-            unclosed: unclosed.clone(),
             diagnostics: Vec::new(),
             too_deep: false,
             errors_at,
@@ -109,8 +120,11 @@ fn parse<T>(
     };
     let mut all = diagnostics;
     if !cut {
-        all.extend(repairs);
-        all.extend(cx.diagnostics);
+        let is_doubtful = |d: &Diagnostic| {
+            let at = d.primary.0.start as usize;
+            doubtful.iter().any(|&(from, to)| from <= at && at < to)
+        };
+        all.extend(repairs.into_iter().chain(cx.diagnostics).filter(|d| !is_doubtful(d)));
     }
     for diagnostic in &mut all {
         whole_characters(text, &mut diagnostic.primary.0);
@@ -134,9 +148,9 @@ type Spanned<'s> = (usize, Lexeme<'s>, usize);
 /// What the grammar's actions share.
 pub struct Context<'s> {
     source: SourceId,
+    text: &'s str,
     text_end: usize,
     lexemes: Vec<Spanned<'s>>,
-    unclosed: Vec<(Span, char)>,
     diagnostics: Vec<Diagnostic>,
     too_deep: bool,
     /// Indices of the lexemes where something was wrong.
@@ -176,7 +190,9 @@ impl Context<'_> {
     /// Reports unless something behind that place is wrong already, of which this would be a consequence.
     fn report_unless_wrong(&mut self, start: usize, diagnostic: Diagnostic) {
         // They come in the order of the text, but for a few of one place.
-        if !self.diagnostics.iter().rev().take(4).any(|d| d.primary.0.end as usize > start) {
+        if !self.is_silent(start)
+            && !self.diagnostics.iter().rev().take(4).any(|d| d.primary.0.end as usize > start)
+        {
             self.report(diagnostic);
         }
     }
@@ -237,10 +253,12 @@ impl Context<'_> {
 
     pub fn untyped_param(&mut self, name: Name) -> (Name, Type) {
         let title = format!("the parameter `{}` does not state its type", name.text);
-        self.report(
-            Diagnostic::error(codes::UNSTATED_TYPE, name.span, title)
-                .help(format!("write `{}: f32`, with the type that it has", name.text)),
-        );
+        if !self.is_silent(name.span.start as usize) {
+            self.report(
+                Diagnostic::error(codes::UNSTATED_TYPE, name.span, title)
+                    .help(format!("write `{}: f32`, with the type that it has", name.text)),
+            );
+        }
         let ty = Type::error(name.span);
         (name, ty)
     }
@@ -372,12 +390,7 @@ impl Context<'_> {
     ) -> Expr {
         let last = last.unwrap_or_else(|| {
             let at = self.span(start, start + 2);
-            self.report_unless_wrong(
-                start,
-                Diagnostic::error(codes::IF_WITHOUT_ELSE, at, "this `if` has no `else`")
-                    .label("has no value when the condition is false")
-                    .help("`if` is an expression: add `else { .. }`"),
-            );
+            self.report_unless_wrong(start, mistakes::if_without_else(at));
             self.expr(ExprKind::Error, end, end)
         });
         let branches = std::iter::once((condition, value)).chain(rest).collect();
@@ -403,9 +416,9 @@ impl Context<'_> {
     }
 
     /// `value;` in a block.
-    pub fn unused(&mut self, value: &Expr, end: usize) {
+    pub fn unused(&mut self, value: Expr, end: usize) -> Option<Let> {
         if matches!(value.kind, ExprKind::Error) {
-            return;
+            return None;
         }
         let span = self.span(value.span.start as usize, end);
         self.report_unless_wrong(
@@ -413,6 +426,8 @@ impl Context<'_> {
             Diagnostic::error(codes::UNUSED_VALUE, span, "nothing uses this value")
                 .help("name it with `let`, or remove the `;` if it is the value of the block"),
         );
+        let pattern = Pattern { kind: PatternKind::Wild, span: value.span };
+        Some(Let { pattern, ty: None, value })
     }
 
     // Patterns

@@ -2,6 +2,7 @@
 
 use ariadne::{CharSet, Color, Config, IndexType, Label, ReportKind};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, Report, Severity};
@@ -9,7 +10,7 @@ use crate::source::{Source, Sources, Span};
 
 /// Every diagnostic with the lines it is about.
 pub fn render(report: &Report, color: bool) -> String {
-    let mut cache = ariadne::sources(report.sources.iter().map(|s| (s.name.clone(), s.text.as_str())));
+    let mut cache = ariadne::sources(report.sources.iter().map(|s| (s.name.clone(), shown(&s.text))));
     let mut text = Vec::new();
     for diagnostic in &report.diagnostics {
         let before = text.len();
@@ -25,6 +26,23 @@ pub fn render(report: &Report, color: bool) -> String {
         text.push_str(&format!("`ghyll check --explain {code}` says more.\n"));
     }
     text
+}
+
+/// The text without what a terminal would act on. Each character stays as long as it is, since places count bytes.
+fn shown(text: &str) -> Cow<'_, str> {
+    // Marks that turn the order of the text, or that take no room.
+    let hidden = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+    let acts = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t') || hidden(c);
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let replaced = |c: char| match c.len_utf8() {
+        _ if !acts(c) => c,
+        1 => '?',
+        2 => '\u{bf}',
+        _ => char::REPLACEMENT_CHARACTER,
+    };
+    Cow::Owned(text.chars().map(replaced).collect())
 }
 
 /// The code to read about first: that of the first error, else of the first warning.
@@ -167,6 +185,18 @@ mod tests {
         let diagnostics = vec![Diagnostic::error(codes::SYNTAX, at, "not expected")];
         let text = render(&Report { sources, diagnostics }, false);
         assert_eq!(text.lines().next(), Some("a.ghyll:2:1048576: E0104: not expected"));
+    }
+
+    #[test]
+    fn nothing_that_a_terminal_acts_on_is_repeated() {
+        let mut sources = Sources::default();
+        let text = "a\u{1b}[31m\u{0}\u{85}\u{202e}\tx";
+        assert_eq!(shown(text).len(), text.len());
+        let id = sources.add(Source::new("a.ghyll", text));
+        let at = Span::new(id, text.len() - 1, text.len());
+        let diagnostics = vec![Diagnostic::error(codes::SYNTAX, at, "not expected")];
+        let text = render(&Report { sources, diagnostics }, false);
+        assert!(text.contains("a?[31m?") && !text.contains(['\u{1b}', '\0', '\u{202e}']), "{text}");
     }
 
     #[test]

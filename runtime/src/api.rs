@@ -70,7 +70,7 @@ pub enum Error {
 impl From<CompileError> for Error {
     fn from(error: CompileError) -> Error {
         match error {
-            CompileError::Program(report) => Error::Program(report),
+            CompileError::Program(report) | CompileError::Value(report) => Error::Program(report),
             CompileError::Request(message) => Error::Request(message),
         }
     }

@@ -271,6 +271,7 @@ impl Ready {
         let options = Options { entry: Some(entry.clone()), want: *kind, ..options(settings) };
         let compiled = compile(&checked, &options).map_err(|error| match error {
             CompileError::Program(report) => Failure::Diagnostics(diagnostics(&report)),
+            CompileError::Value(report) => Failure::Value(diagnostics(&report)),
             CompileError::Request(text) => Failure::Usage(text),
         })?;
         let scene = match scene(settings, *size)? {
@@ -295,7 +296,7 @@ impl Ready {
         }
         let value = |(text, ty): (&String, _)| {
             let argument = parse_arguments(&self.checked.module, text, ty)
-                .map_err(|report| Failure::Diagnostics(diagnostics(&report)))?;
+                .map_err(|report| Failure::Value(diagnostics(&report)))?;
             evaluate_argument(&self.checked, argument.expr, argument.locals, ty).map_err(failure)
         };
         texts.iter().zip(params).map(value).collect()

@@ -15,6 +15,8 @@ pub enum Failure {
     Input(String),
     /// Exit status 2: what was asked for is not in the program.
     Usage(String),
+    /// Exit status 2: a value that was given is wrong.
+    Value(Vec<Diagnostic>),
     /// Exit status 3.
     Run(String),
 }
@@ -23,7 +25,7 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Failure::Diagnostics(_) | Failure::Input(_) => 1,
-            Failure::Usage(_) => 2,
+            Failure::Usage(_) | Failure::Value(_) => 2,
             Failure::Run(_) => 3,
         }
     }
@@ -32,7 +34,7 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Failure::Diagnostics(found) => {
+            Failure::Diagnostics(found) | Failure::Value(found) => {
                 let lines: Vec<String> = found.iter().map(shown).collect();
                 write!(f, "{}", lines.join("; "))
             }

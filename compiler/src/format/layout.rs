@@ -116,7 +116,7 @@ fn breaks(tokens: &[Token], pairs: &mut [Pair]) {
         }
         if let Some(pair) = around.last().map(|p| &mut pairs[*p]) {
             pair.broken |= match pair.kind {
-                Kind::List => false,
+                Kind::List => ends_line(token) && declares(tokens, pair.open),
                 Kind::Block => token.lexeme == Semi || ends_line(token),
                 Kind::Cases => token.lines > 0 || ends_line(token),
             };
@@ -130,6 +130,26 @@ fn breaks(tokens: &[Token], pairs: &mut [Pair]) {
     outward(pairs);
     chains(pairs);
     outward(pairs);
+}
+
+/// Whether a bracket opens the fields of a struct or the parameters of a function, whose comments want lines of their own.
+fn declares(tokens: &[Token], open: usize) -> bool {
+    let before = tokens[..open].iter().rev().skip_while(|token| token.role != Role::GenericClose).skip(1);
+    let generic = tokens[..open].last().is_some_and(|token| token.role == Role::GenericClose);
+    let name = match generic {
+        true => before.take_while(|token| token.role != Role::GenericOpen).count() + 2,
+        false => 0,
+    };
+    let at = |back: usize| open.checked_sub(name + back).map(|at| tokens[at].lexeme);
+    matches!(at(1), Some(Ident(_))) && matches!(at(2), Some(Struct | Fn))
+}
+
+/// Whether the comments before a token from `at` on stand on its line, before it.
+fn leads(token: &Token, at: usize) -> bool {
+    let comments = &token.comments[at..];
+    token.lines == 0
+        && comments.iter().all(|comment| !comment.line && !comment.text.contains('\n'))
+        && comments.iter().skip(1).all(|comment| comment.lines == 0)
 }
 
 /// Braces around broken braces are broken.
@@ -234,10 +254,14 @@ fn lay(tokens: &[Token], pairs: &[Pair]) -> Vec<Line> {
         if comma {
             lines.current.code.push(',');
         }
+        let pair = frame.pair.map(|p| &pairs[p]);
         // Comments
+        let element =
+            fresh && !closes && (!opened || frame.pair.is_none()) && pair.is_none_or(|pair| pair.each);
+        let leading = token.comments.iter().enumerate().position(|(at, _)| element && leads(token, at));
         for (at, comment) in token.comments.iter().enumerate() {
             let first = i == 0 && at == 0;
-            let alone = ended || first || comment.lines > 0;
+            let alone = ended || first || comment.lines > 0 || leading == Some(at);
             if alone {
                 let apart = comment.lines > 1 && !(opened && at == 0);
                 lines.begin(indent, apart, i);
@@ -258,19 +282,20 @@ fn lay(tokens: &[Token], pairs: &[Pair]) -> Vec<Line> {
         // The line's end before the token
         let joined =
             token.lexeme == Else || matches!(token.lexeme, Comma | Semi | Colon) || (closes && !frame.broken);
-        let pair = frame.pair.map(|p| &pairs[p]);
         let forced = frame.broken
             && (closes || (opened && frame.pair.is_some()) || (fresh && pair.is_none_or(|pair| pair.each)));
         let dropped = token.lexeme == Comma && pair.is_some_and(|pair| drops_comma(pair, i));
         if dropped {
             continue;
         }
-        if ended || forced || (token.lines > 0 && !joined) {
+        if leading.is_none() && (ended || forced || (token.lines > 0 && !joined)) {
             let commented = !token.comments.is_empty();
             let apart = token.lines > 1 && !closes && (!opened || commented);
             let indent = if closes { frame.closing } else { indent };
             let open_before = opened && !commented;
             lines.begin(indent, apart && !open_before, i);
+        } else if leading.is_some() {
+            lines.current.code.push(' ');
         } else if let Some(before) = before
             && !lines.current.code.is_empty()
             && match token.comments.is_empty() {

@@ -104,6 +104,18 @@ fn comments_keep_their_places() {
     );
     becomes("const A = f(1, // one\n2);", "const A = f(1,    // one\n    2);\n");
     becomes("const A = if a { 1 } // yes\nelse { 2 };", "const A = if a { 1 }    // yes\nelse { 2 };\n");
+    becomes(
+        "/* head */ use terrain; /* a */ /* b */ use /* c */ shade; /* d */\n/* e */\nconst A = 1;",
+        "/* head */ use terrain;\n/* a */ /* b */ use /* c */ shade; /* d */\n/* e */\nconst A = 1;\n",
+    );
+    becomes(
+        "fn f() -> i32 { let a = 1; /* b */ let b = 2; match a { 0 => a, /* else */ _ => b } }",
+        "fn f() -> i32 {\n    let a = 1;\n    /* b */ let b = 2;\n    match a { 0 => a, /* else */ _ => b }\n}\n",
+    );
+    becomes(
+        "struct P<A, B>(x: f32, // xx\ny: f32);\nfn f(a: i32, // a\n b: i32) -> i32 = a;",
+        "struct P<A, B>(\n    x: f32,    // xx\n    y: f32,\n);\nfn f(\n    a: i32,    // a\n    b: i32,\n) -> i32 = a;\n",
+    );
     becomes("// only", "// only\n");
     becomes("", "");
 }

@@ -10,7 +10,7 @@ use crate::builtins::{Builtin, Shape};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::resolve::scope::Value;
-use crate::resolve::types::count;
+use crate::resolve::types::{PLAIN, count};
 use crate::source::Span;
 use crate::typed::{FunctionId, StructId, UnaryOp};
 use smallvec::SmallVec;
@@ -27,6 +27,12 @@ type AllGiven<'x> = SmallVec<[Given<'x>; 4]>;
 
 pub(super) fn given(arguments: &[Argument]) -> AllGiven<'_> {
     arguments.iter().map(|a| Given { name: a.name.as_ref(), value: &a.value }).collect()
+}
+
+/// The constructor of the type that an alias stands for.
+pub(super) enum Aliased {
+    Struct(StructId, Vec<Ty>),
+    Builtin(Builtin),
 }
 
 /// What is known about each parameter of a callee.
@@ -53,7 +59,9 @@ impl Infer<'_, '_> {
             }
             Some(Value::Struct(id)) => {
                 self.note(callee.span, Meaning::Struct(id), Ty::ERROR);
-                self.construct(id, name, arguments, span, want)
+                let declared = &self.env.module.structs[id.0 as usize];
+                let args = self.instantiate(&declared.generics, &declared.name, span);
+                self.construct((id, args), name, arguments, span, want)
             }
             Some(Value::Variant(id, index)) => {
                 self.note(callee.span, Meaning::Variant(id, index), Ty::ERROR);
@@ -80,12 +88,34 @@ impl Infer<'_, '_> {
                     form.into_iter().for_each(|form| self.note(callee.span, Meaning::Form(form), Ty::ERROR));
                     self.form_call(name, arguments, span, want)
                 }
-                None => {
-                    self.unknown_name(name, callee.span);
-                    self.check_anyway(arguments);
-                    self.error_node(span)
-                }
+                None => match self.aliased(name, callee.span) {
+                    Some(Aliased::Struct(id, args)) => {
+                        self.construct((id, args), name, arguments, span, want)
+                    }
+                    Some(Aliased::Builtin(builtin)) => {
+                        self.call_builtin(builtin, callee.span, arguments, span, want)
+                    }
+                    None => {
+                        self.unknown_name(name, callee.span);
+                        self.check_anyway(arguments);
+                        self.error_node(span)
+                    }
+                },
             },
+        }
+    }
+
+    /// What makes values of the type that an alias stands for.
+    pub(super) fn aliased(&mut self, name: &str, span: Span) -> Option<Aliased> {
+        let (count, ty) = self.env.names.aliased(self.place.file, name)?;
+        if let Some((plain, _)) = PLAIN.iter().find(|(_, plain)| *plain == ty) {
+            return Builtin::ALL.iter().copied().find(|b| b.name() == *plain).map(Aliased::Builtin);
+        }
+        let args: Vec<Ty> = (0..count).map(|_| self.fresh(span)).collect();
+        let ty = self.table.import(&ty, &args);
+        match self.table.form(ty) {
+            Form::Struct(id, args) => Some(Aliased::Struct(*id, args.clone())),
+            _ => None,
         }
     }
 
@@ -204,10 +234,16 @@ impl Infer<'_, '_> {
         self.settle(Kind::Call(Box::new(callee), nodes), result, span, want)
     }
 
-    fn construct(&mut self, id: StructId, name: &str, arguments: &[Given], span: Span, want: Want) -> Node {
+    fn construct(
+        &mut self,
+        (id, args): (StructId, Vec<Ty>),
+        name: &str,
+        arguments: &[Given],
+        span: Span,
+        want: Want,
+    ) -> Node {
         let module = self.env.module;
         let declared = &module.structs[id.0 as usize];
-        let args = self.instantiate(&declared.generics, &declared.name, span);
         let params: Params =
             declared.fields.iter().map(|(_, t)| (self.table.import(t, &args), None)).collect();
         let ty = self.table.add(Form::Struct(id, args));

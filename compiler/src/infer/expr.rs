@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::call::given;
+use super::call::{Aliased, given};
 use super::goals::GoalKind;
 use super::pattern::Bound;
 use super::table::{Form, Origin, Ty};
@@ -14,10 +14,10 @@ use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::foreign;
 use crate::resolve::declare::defining_module;
-use crate::resolve::scope::Value;
+use crate::resolve::scope::{TypeName, Value};
 use crate::resolve::types::count;
 use crate::source::Span;
-use crate::typed::{BinaryOp, LocalId, Type, UnaryOp};
+use crate::typed::{BinaryOp, LocalId, StructId, Type, UnaryOp};
 
 impl<'e> Infer<'e, '_> {
     /// Fresh types for the type parameters of an item.
@@ -148,10 +148,26 @@ impl Infer<'_, '_> {
         } else if let Some(builtin) = self.env.names.scopes.builtin(self.place.file, name) {
             return self.builtin_value(builtin, span, want);
         } else {
-            self.unknown_name(name, span);
-            return self.error_node(span);
+            match self.aliased(name, span) {
+                Some(Aliased::Builtin(builtin)) if matches!(self.table.form(want.ty), Form::Fn(..)) => {
+                    return self.builtin_value(builtin, span, want);
+                }
+                Some(Aliased::Struct(id, args)) => self.struct_function(id, args),
+                _ => {
+                    self.unknown_name(name, span);
+                    return self.error_node(span);
+                }
+            }
         };
         self.settle(kind, ty, span, want)
+    }
+
+    /// A struct's name as the function that builds it.
+    fn struct_function(&mut self, id: StructId, args: Vec<Ty>) -> (Kind, Ty) {
+        let declared = &self.env.module.structs[id.0 as usize];
+        let params = declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
+        let result = self.table.add(Form::Struct(id, args));
+        (Kind::StructFunction(id), self.table.add(Form::Fn(params, result)))
     }
 
     /// An item used as a value.
@@ -177,9 +193,7 @@ impl Infer<'_, '_> {
             Value::Struct(id) => {
                 let declared = &module.structs[id.0 as usize];
                 let args = self.instantiate(&declared.generics, &declared.name, span);
-                let params = declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
-                let result = self.table.add(Form::Struct(id, args));
-                (Kind::StructFunction(id), self.table.add(Form::Fn(params, result)))
+                self.struct_function(id, args)
             }
             Value::Variant(id, index) => {
                 let declared = &module.enums[id.0 as usize];
@@ -207,7 +221,32 @@ impl Infer<'_, '_> {
             )));
             return;
         }
-        let diagnostic = if let Some(module) = defining_module(name, false) {
+        let file = self.place.file;
+        let diagnostic = if let Some(ty) = scopes.type_name(file, name) {
+            let variants = match ty {
+                TypeName::Enum(id) => &self.env.module.enums[id.0 as usize].variants[..],
+                _ => &[],
+            };
+            let title = format!("`{name}` is a type, not a value");
+            let variants: Vec<String> = variants.iter().take(4).map(|v| format!("`{}`", v.name)).collect();
+            Diagnostic::error(codes::UNKNOWN_NAME, span, title).label("a type").help(match &variants[..] {
+                [] => "only structs, vectors, matrices and numbers are built by the name of their type"
+                    .to_owned(),
+                variants => format!("its values are built by its variants, such as {}", variants.join(", ")),
+            })
+        } else if self.env.functions.is_empty() && self.env.module.params.iter().any(|p| p.name == name) {
+            let title = format!("`{name}` is a parameter, and a value from outside reads none");
+            Diagnostic::error(codes::UNKNOWN_NAME, span, title)
+                .label("a parameter")
+                .help("write its value, or name a function of the program that reads it")
+        } else if self.bound_to.iter().any(|bound| bound == name) {
+            let title = format!("`{name}` is not known in its own value");
+            Diagnostic::error(codes::UNKNOWN_NAME, span, title)
+                .label("named by the `let` only from its `;` on")
+                .help(format!(
+                    "a function that calls itself stands at the top level: `fn {name}(..) -> .. = ..;`"
+                ))
+        } else if let Some(module) = defining_module(name, false) {
             Diagnostic::error(codes::NEEDS_MODULE, span, format!("`{name}` is in module `{module}`"))
                 .label("not in scope")
                 .help(format!("add `use {module};`"))
@@ -301,8 +340,11 @@ impl Infer<'_, '_> {
                 Some(ty) => ty,
                 None => self.param_type(&param.pattern),
             };
+            let before = self.errors;
             self.stated(param.ty.as_ref(), ty);
             types.push(ty);
+            // What is done with a parameter of the wrong type is right for another.
+            let ty = if self.errors > before { Ty::ERROR } else { ty };
             locals.push(self.lambda_param(&param.pattern, ty, &mut lets));
         }
         self.distinct_since(mark);
@@ -393,6 +435,7 @@ impl Infer<'_, '_> {
             let guard = arm.guard.as_ref().map(|g| self.expr(g, Want::just(Ty::BOOL)));
             let value = self.branch(&arm.value, &mut want);
             self.scope.split_off(mark);
+            self.note_unused_parts(&pattern);
             nodes.push(Arm { pattern, guard, value });
         }
         Node { kind: Kind::Match(Box::new(scrutinee), nodes), ty: want.ty, span }
@@ -425,7 +468,13 @@ impl Infer<'_, '_> {
             _ => self.fresh(value.span),
         };
         let why = self.stated(stated, ty).map(|at| (at, "the type is stated here"));
+        let name = match &pattern.kind {
+            ast::PatternKind::Name(name) => name.as_str(),
+            _ => "",
+        };
+        self.bound_to.push(name.to_owned());
         let node = self.expr(value, Want { ty, why });
+        self.bound_to.pop();
         self.retry();
         self.check_size(ty, value.span);
         let pattern = self.pattern(pattern, Want { ty, why: Some((value.span, "the value has this type")) });
@@ -445,6 +494,30 @@ impl Infer<'_, '_> {
                 .label("named, but never read")
                 .help(format!("remove the `let`, or call it `_{name}`")),
         );
+    }
+
+    /// The same for the names within the pattern of an arm.
+    fn note_unused_parts(&mut self, pattern: &Pattern) {
+        match &pattern.kind {
+            PatternKind::Wild | PatternKind::Number(_) => {}
+            PatternKind::Bind(id) => {
+                let local = &self.locals[id.0 as usize];
+                if local.used.get() || local.name.starts_with('_') {
+                    return;
+                }
+                let (name, span) = (local.name.clone(), local.span);
+                self.unused.push(
+                    Diagnostic::warning(codes::UNUSED_NAME, span, format!("nothing uses `{name}`"))
+                        .label("named, but never read")
+                        .help(format!("write `_` instead, or call it `_{name}`")),
+                );
+            }
+            // All alternatives bind the same names.
+            PatternKind::Or(parts) => parts.iter().take(1).for_each(|part| self.note_unused_parts(part)),
+            PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) | PatternKind::Variant(_, _, parts) => {
+                parts.iter().for_each(|part| self.note_unused_parts(part));
+            }
+        }
     }
 
     fn with(&mut self, base: &Expr, fields: &[ast::Argument], span: Span, want: Want) -> Node {

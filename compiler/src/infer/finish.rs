@@ -15,16 +15,18 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::exhaustive::{self, Coverage};
 use crate::resolve::declare::too_large;
+use crate::resolve::scope::Value;
 use crate::resolve::size::{Sizes, holds_function, substituted_nodes};
 use crate::source::Span;
 use crate::typed::{
-    Arm, BinaryOp, Expr, ExprKind, Let, Literal, Local, Module, Pattern, PatternKind, RangeForm, Type,
+    Arm, BinaryOp, Expr, ExprKind, Let, Literal, Local, LocalId, Module, Pattern, PatternKind, RangeForm,
+    Type,
 };
 
 impl Infer<'_, '_> {
     pub(super) fn finish(mut self, node: Node) -> Body {
         // Unknown types are often only the consequence of an error.
-        let quiet = self.has_errors();
+        let quiet = self.quiet || self.has_errors();
         let locals: Vec<(String, Ty, Span)> =
             self.locals.iter().map(|l| (l.name.clone(), l.ty, l.span)).collect();
         let comparable = std::mem::take(&mut self.comparable);
@@ -47,6 +49,10 @@ impl Infer<'_, '_> {
             false => std::mem::take(&mut finish.infer.unused),
         };
         finish.notes();
+        let is_told = |d: &Diagnostic| {
+            finish.infer.out.iter().any(|o| o.code == codes::LOOKALIKE && o.primary.0 == d.primary.0)
+        };
+        let unused: Vec<Diagnostic> = unused.into_iter().filter(|d| !is_told(d)).collect();
         let mut diagnostics = finish.infer.out;
         diagnostics.extend(unused);
         let mut seen = HashSet::new();
@@ -337,23 +343,68 @@ impl Finish<'_, '_> {
     fn matching(&mut self, e: Node, arms: Vec<tree::Arm>, ty: Type, span: Span) -> Expr {
         let e = self.boxed(e);
         let mut finished = Vec::new();
-        for arm in arms {
+        let mut misread = None;
+        for (i, arm) in arms.into_iter().enumerate() {
             let pattern = self.pattern(arm.pattern);
+            if self.lookalikes(&pattern) {
+                misread = misread.or(Some(i));
+            }
             let guard = arm.guard.map(|g| self.expr(g));
             finished.push(Arm { pattern, guard, value: self.expr(arm.value) });
         }
         // With errors, patterns may not have the types they should.
         if !self.infer.has_errors() {
-            self.coverage(&e, &finished, span);
+            self.coverage(&e, &finished, misread, span);
         }
         Expr { kind: ExprKind::Match(e, finished), ty, span }
     }
 
-    fn coverage(&mut self, e: &Expr, arms: &[Arm], span: Span) {
+    /// Warns of names that a pattern binds although a variant or a constant was meant; true if there are any.
+    fn lookalikes(&mut self, pattern: &Pattern) -> bool {
+        match &pattern.kind {
+            PatternKind::Wild | PatternKind::Literal(_) => false,
+            PatternKind::Bind(id) => self.lookalike(*id, pattern),
+            // All alternatives bind the same names.
+            PatternKind::Or(parts) => parts.first().is_some_and(|first| self.lookalikes(first)),
+            PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) | PatternKind::Variant(_, _, parts) => {
+                parts.iter().fold(false, |any, part| self.lookalikes(part) || any)
+            }
+        }
+    }
+
+    fn lookalike(&mut self, id: LocalId, pattern: &Pattern) -> bool {
+        let name = self.infer.locals[id.0 as usize].name.clone();
+        if name.starts_with(['_', '$']) {
+            return false;
+        }
+        let scopes = &self.infer.env.names.scopes;
+        let capital = name.starts_with(|c: char| c.is_ascii_uppercase());
+        let of_type = match &pattern.ty {
+            Type::Enum(id, _) => &self.module().enums[id.0 as usize].variants[..],
+            _ => &[],
+        };
+        let variant = self.infer.similar(&name, of_type.iter().map(|v| v.name.as_str()));
+        let help = match (scopes.value(self.infer.place.file, &name), variant) {
+            (Some(Value::Const(_)), _) => {
+                format!("compare with the constant in a guard: `x if x == {name} => ..`")
+            }
+            (_, Some(meant)) => format!("did you mean `{meant}`?"),
+            _ if capital => "no variant is called so here; a new name begins with a small letter".to_owned(),
+            _ => return false,
+        };
+        let title = format!("`{name}` binds a new name and fits anything");
+        self.report(
+            Diagnostic::warning(codes::LOOKALIKE, pattern.span, title).label("a new name").help(help),
+        );
+        true
+    }
+
+    fn coverage(&mut self, e: &Expr, arms: &[Arm], misread: Option<usize>, span: Span) {
         let patterns: Vec<(&Pattern, bool)> = arms.iter().map(|a| (&a.pattern, a.guard.is_some())).collect();
         let Coverage { missing, unreachable, too_complex } =
             exhaustive::coverage(self.module(), &e.ty, &patterns);
-        for index in unreachable {
+        // Behind a name that was meant as a variant, the advice would be wrong.
+        for index in unreachable.into_iter().filter(|arm| misread.is_none_or(|misread| *arm <= misread)) {
             self.report(
                 Diagnostic::warning(
                     codes::UNREACHABLE_ARM,
@@ -371,10 +422,25 @@ impl Finish<'_, '_> {
                     .help("split it into smaller ones, or end it with `_`"),
             );
         } else if let Some(missing) = missing {
+            let unguarded: Vec<(&Pattern, bool)> = arms.iter().map(|a| (&a.pattern, false)).collect();
+            let by_guard = exhaustive::coverage(self.module(), &e.ty, &unguarded).missing.is_none();
+            let add = match missing.as_str() {
+                "_" => "`_ => ..`".to_owned(),
+                missing => format!("`{missing} => ..`, or `_ => ..` for all that is left"),
+            };
+            let help = match by_guard {
+                true => format!(
+                    "a guard does not count, since it may be false: leave out the last one, or add {add}"
+                ),
+                false => format!("add {add}"),
+            };
             self.report(
                 Diagnostic::error(codes::MISSING_CASE, at, format!("the case `{missing}` is missing"))
-                    .label(format!("`{missing}` has no arm"))
-                    .help(format!("add `{missing} => ..`, or `_ => ..` for all that is left")),
+                    .label(match by_guard {
+                        true => format!("`{missing}` has no arm without a guard"),
+                        false => format!("`{missing}` has no arm"),
+                    })
+                    .help(help),
             );
         }
     }

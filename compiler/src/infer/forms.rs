@@ -117,7 +117,15 @@ impl Infer<'_, '_> {
         let ty = if n == 1 { Ty::F32 } else { Ty::vec(n) };
         let takes = self.table.add(Form::Fn(vec![ty], Ty::F32));
         let gives = self.table.add(Form::Fn(vec![ty], ty));
-        let f = self.expr(argument.value, Want::just(takes));
+        let why = match n {
+            1 => "`deriv` is of a `fn(f32) -> f32`, `grad` of a `fn(vec2) -> f32`",
+            _ => "`grad` is of a `fn(vec2) -> f32`, `deriv` of a `fn(f32) -> f32`",
+        };
+        let before = self.errors;
+        let f = self.expr(argument.value, Want { ty: takes, why: Some((span, why)) });
+        if self.errors > before {
+            return self.error_node(span);
+        }
         self.settle(Kind::Derivative(Box::new(f)), gives, span, want)
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
+use super::call::Aliased;
 use super::finish::MOST_WRITTEN;
 use super::table::{Form, Origin, Ty};
 use super::tree::{Number, Pattern, PatternKind};
@@ -136,6 +137,10 @@ impl Infer<'_, '_> {
         }
     }
 
+    fn is_value(&self, name: &str) -> bool {
+        self.env.names.scopes.value(self.place.file, name).is_some()
+    }
+
     /// Type arguments of a constructor, which what is matched will tell.
     fn pattern_args(&mut self, n: usize, span: Span) -> Vec<Ty> {
         (0..n).map(|_| self.fresh(span)).collect()
@@ -182,7 +187,13 @@ impl Infer<'_, '_> {
         bound: &Bound,
     ) -> PatternKind {
         let module = self.env.module;
-        let constructor = self.constructor(&name.text);
+        let (constructor, aliased) = match self.constructor(&name.text) {
+            None if !self.is_value(&name.text) => match self.aliased(&name.text, span) {
+                Some(Aliased::Struct(id, args)) => (Some(Value::Struct(id)), Some(args)),
+                _ => (None, None),
+            },
+            found => (found, None),
+        };
         if let Some(value) = constructor {
             self.note(name.span, value.into(), want.ty);
         }
@@ -192,7 +203,7 @@ impl Infer<'_, '_> {
                 if !self.may_fill_in(declared.fields.len().saturating_sub(fields.len())) {
                     return self.parts_alone(fields, bound);
                 }
-                let args = self.pattern_args(declared.generics.len(), span);
+                let args = aliased.unwrap_or_else(|| self.pattern_args(declared.generics.len(), span));
                 let types: Vec<Ty> =
                     declared.fields.iter().map(|(_, t)| self.table.import(t, &args)).collect();
                 let ty = self.table.add(Form::Struct(id, args));
@@ -368,11 +379,15 @@ impl Infer<'_, '_> {
 
     /// Reports a field that does not exist; one that is called was meant as a method.
     pub(super) fn no_field(&mut self, name: &Name, diagnostic: Diagnostic) {
-        if !self.called.contains(&name.span) {
-            return self.report(diagnostic);
-        }
         let (scopes, file, text) = (&self.env.names.scopes, self.place.file, &name.text);
-        let known = scopes.value(file, text).is_some() || scopes.builtin(file, text).is_some();
+        let known = matches!(scopes.value(file, text), Some(Value::Function(_)))
+            || scopes.builtin(file, text).is_some();
+        if !self.called.contains(&name.span) {
+            return self.report(match known {
+                true => diagnostic.help(format!("`{text}` is a function: write `{text}(value)`")),
+                false => diagnostic,
+            });
+        }
         let help = match crate::foreign::value_help(text) {
             _ if known => format!("write `{text}(value, ..)`, or `value |> {text}`"),
             Some(help) => format!("functions stand before their arguments: {help}"),

@@ -1,6 +1,7 @@
 //! Gives a flat chain of operands and operators its structure by precedence, without recursion.
 
 use super::Context;
+use super::mistakes::is_type;
 use crate::ast::{Expr, ExprKind, Operator};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
@@ -37,11 +38,22 @@ impl Context<'_> {
         operands.push(self.expr(ExprKind::Binary(op, Box::new(left), Box::new(right)), start, end));
     }
 
+    /// `a < b < c`, and `f<i32>(x)`.
     fn check_chained(&mut self, first: Placed, second: Placed) {
         if !first.0.is_comparison() || !second.0.is_comparison() {
             return;
         }
         let (at, before) = (self.span(second.1, second.2), self.span(first.1, first.2));
+        let between = self.text[first.2..second.1].trim();
+        if first.0.symbol() == "<" && second.0.symbol() == ">" && (is_type(between) || between.len() == 1) {
+            let title = "type arguments are not written in a call";
+            return self.report_unless_wrong(
+                first.1,
+                Diagnostic::error(codes::CHAINED, before.to(at), title)
+                    .label("read as two comparisons")
+                    .help("they are inferred: write `f(x)`; to compare, `a < b && b > c`"),
+            );
+        }
         self.report_unless_wrong(
             first.1,
             Diagnostic::error(codes::CHAINED, at, "comparisons cannot be chained")

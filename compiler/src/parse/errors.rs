@@ -67,15 +67,7 @@ impl Context<'_> {
             ParseError::UnrecognizedEof { expected, .. } => {
                 let mut end = self.lexemes.last().map_or(self.text_end, |&(_, _, end)| end);
                 end = end.min(self.text_end);
-                match self.unclosed.last() {
-                    Some(&(open, close)) => {
-                        let title = format!("expected `{close}`, found the end of the text");
-                        Diagnostic::error(codes::SYNTAX, self.span(end.saturating_sub(1), end), title)
-                            .label("the text ends here")
-                            .also(open, "this is never closed")
-                    }
-                    None => self.unexpected(end.saturating_sub(1), end, None, &expected),
-                }
+                self.unexpected(end.saturating_sub(1), end, None, &expected)
             }
             ParseError::ExtraToken { token: (start, lexeme, end) } => {
                 self.unexpected(start, end, Some(lexeme), &[])
@@ -86,7 +78,7 @@ impl Context<'_> {
         // Recovery can stumble over what directly follows.
         let start = diagnostic.primary.0.start as usize;
         let place = self.lexemes.partition_point(|&(_, _, end)| end <= start);
-        if place < self.silent_to {
+        if self.is_silent(start) {
             return;
         }
         let near =
@@ -101,6 +93,11 @@ impl Context<'_> {
         }
         self.silence_after(place, diagnostic.code);
         self.report(diagnostic);
+    }
+
+    /// What is wrong at a byte follows from what was told.
+    pub(super) fn is_silent(&self, start: usize) -> bool {
+        self.lexemes.partition_point(|&(_, _, end)| end <= start) < self.silent_to
     }
 
     fn unexpected(&self, start: usize, end: usize, found: Option<Lexeme>, expected: &[String]) -> Diagnostic {
@@ -166,6 +163,16 @@ impl Context<'_> {
                 "a condition stands behind the pattern: `x if x > 3 => ..`"
             }
             Comma if expects("..") => "a range is written `lo..hi`",
+            RBracket if expects(";") && !expects(",") => "the type of an array states its length: `[f32; 4]`",
+            Comma if expects("]") && !expects(",") => "an index is one number: write `m[0][1]`",
+            Ident(_) | Int(_) | Uint(_) | Float(_) | True | False | Hole | LParen | Minus
+                if expects(",") && [")", "]", "}"].into_iter().any(expects) =>
+            {
+                "a comma is missing before this"
+            }
+            _ if expects("struct") && expects("raster") => {
+                "an item begins with `fn`, `const`, `param`, `struct`, `enum`, `type`, `raster` or `use`"
+            }
             _ => return None,
         })
     }

@@ -3,12 +3,19 @@
 mod expressions;
 mod items;
 
-use super::Context;
+use super::{Context, Spanned};
 use crate::codes::{self, Code};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Lexeme;
-use expressions::{assignment, branch_braces, cast, compound_operator, lambda, range, reference, text};
-use items::{field_braces, local_function, no_value, not_an_item, path, type_first, word};
+pub(super) use expressions::if_without_else;
+use expressions::{
+    assignment, branch_braces, cast, compound_operator, lambda, no_else, range, reference, text,
+};
+pub(super) use items::is_type;
+use items::{
+    conditional_let, field_braces, foreign_pattern, local_function, no_value, not_an_item, path, type_first,
+    word,
+};
 
 /// The lexeme that does not fit, and its neighbours.
 pub(super) struct Place<'a, 's> {
@@ -27,6 +34,9 @@ const RULES: &[fn(&Place) -> Option<Diagnostic>] = &[
     cast,
     text,
     field_braces,
+    no_else,
+    conditional_let,
+    foreign_pattern,
     assignment,
     range,
     reference,
@@ -46,6 +56,8 @@ const DISTURBING: &[Code] = &[
     codes::BRANCH_BRACES,
     codes::LOCAL_FUNCTION,
     codes::NOT_A_LAMBDA,
+    codes::FOREIGN_PATTERN,
+    codes::IF_WITHOUT_ELSE,
 ];
 
 /// What it says up to the next semicolon follows from these.
@@ -71,17 +83,29 @@ impl Context<'_> {
 
     /// Silences what follows from a message at that lexeme.
     pub(super) fn silence_after(&mut self, place: usize, code: Code) {
+        let before = place.checked_sub(1).map_or(0, |before| self.lexemes[before].2);
+        let in_line = |start: usize| !self.text[before..start.max(before)].contains('\n');
+        let keyword = self.lexemes.get(place).filter(|l| starts_item(&l.1) && in_line(l.0));
+        let keyword = keyword.filter(|_| code == codes::SYNTAX).map(|l| l.1);
         let passing = PASSING.contains(&code);
-        if !passing && !DISTURBING.contains(&code) {
+        if keyword.is_none() && !passing && !DISTURBING.contains(&code) {
             return;
         }
-        let ends = |lexeme: &Lexeme| starts_item(lexeme) || passing && *lexeme == Lexeme::Semi;
-        let rest = self.lexemes.iter().skip(place + 1);
-        self.silent_to = place + 1 + rest.take_while(|(_, lexeme, _)| !ends(lexeme)).count();
+        // A keyword in the place of a name may stand there again.
+        let ends = |lexeme: &Lexeme| {
+            starts_item(lexeme) && Some(*lexeme) != keyword || passing && *lexeme == Lexeme::Semi
+        };
+        // What looks like items within braces belongs to what another language has in them.
+        let mut depth = 0;
+        let goes_on = |(_, lexeme, _): &&Spanned| {
+            depth += i32::from(*lexeme == Lexeme::LBrace) - i32::from(*lexeme == Lexeme::RBrace);
+            depth > 0 && !passing || !ends(lexeme)
+        };
+        self.silent_to = place + 1 + self.lexemes.iter().skip(place + 1).take_while(goes_on).count();
     }
 }
 
-fn starts_item(lexeme: &Lexeme) -> bool {
+pub(super) fn starts_item(lexeme: &Lexeme) -> bool {
     use Lexeme::*;
     matches!(lexeme, Use | Const | Param | Raster | Fn | Struct | Enum | Type | At)
 }
@@ -106,6 +130,13 @@ impl<'s> Place<'_, 's> {
         let here = end(self.at.checked_add_signed(offset));
         let next = end(self.at.checked_add_signed(offset + 1));
         matches!((here, next), (Some(&(.., end)), Some(&(start, ..))) if end == start)
+    }
+
+    fn begins_line(&self, offset: isize) -> bool {
+        let Some(at) = self.at.checked_add_signed(offset) else { return false };
+        let before = at.checked_sub(1).map_or(0, |before| self.cx.lexemes[before].2);
+        at == 0
+            || self.cx.lexemes.get(at).is_some_and(|&(start, ..)| self.cx.text[before..start].contains('\n'))
     }
 
     fn expects(&self, what: &str) -> bool {

@@ -187,8 +187,22 @@ impl Names<'_> {
             Some(help) => diagnostic.help(help),
             None => match super::declare::defining_module(name, true) {
                 Some(module) => diagnostic.help(format!("it is in module `{module}`: add `use {module};`")),
-                None => diagnostic,
+                None if name.len() == 1 => {
+                    diagnostic.help(format!("a type parameter stands behind the name, as in `fn f<{name}>(x: {name}) -> {name}`"))
+                }
+                None => diagnostic.help("types are `bool`, numbers, vectors and matrices, and what `struct`, `enum` and `type` define"),
             },
+        }
+    }
+
+    /// What a name that is an alias stands for, and how many type parameters it has.
+    pub fn aliased(&self, file: usize, name: &str) -> Option<(usize, Type)> {
+        match self.scopes.type_name(file, name)? {
+            // What is wrong with it was reported where it is defined.
+            TypeName::Alias(index) => {
+                Some(self.alias(index, self.aliases.borrow()[index].written.name.span, &mut Vec::new()))
+            }
+            _ => None,
         }
     }
 

@@ -119,7 +119,7 @@ fn compile_all(text: String) {
 fn built(checked: &Checked, entry: &str) -> Vec<&'static str> {
     let options = Options { entry: Some(entry.into()), ..Options::default() };
     match compile::compile(checked, &options) {
-        Err(CompileError::Program(report)) => shown(&report),
+        Err(CompileError::Program(report) | CompileError::Value(report)) => shown(&report),
         Err(CompileError::Request(_)) => vec!["request"],
         Ok(_) => vec!["compiled"],
     }

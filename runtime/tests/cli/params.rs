@@ -58,3 +58,36 @@ fn check_looks_at_live_parameters_as_such() {
     folder.ghyll("check p.ghyll --live s").failed(1, &["E0906", "holds functions inside of data"]);
     folder.ghyll("check p.ghyll --live t").failed(2, &["no parameter `t`"]);
 }
+
+#[test]
+fn values_that_do_not_fit_are_wrong_usage() {
+    let folder = Folder::new("wrong_values");
+    folder.write(
+        "p.ghyll",
+        "param k: i32 = 3; param b: bool = true; fn main(x: i32) -> i32 = if b { x + k } else { x };",
+    );
+    for (line, part) in [
+        ("run p.ghyll --set k=2.5 -- 1", "cannot be `2.5`"),
+        ("run p.ghyll --set k= -- 1", "cannot be ``"),
+        ("run p.ghyll --set b=yes -- 1", "cannot be `yes`"),
+        ("check p.ghyll --set k=2.5", "cannot be `2.5`"),
+        ("run p.ghyll -- 1.5", "expected `i32`"),
+        ("run p.ghyll -- abc", "`abc`"),
+        ("run p.ghyll 5", "after `--`: `-- 5`"),
+    ] {
+        folder.ghyll(line).failed(2, &[part]);
+    }
+    folder.write("wrong.ghyll", "fn main() -> i32 = 1.5;").ghyll("run wrong.ghyll").failed(1, &["E0301"]);
+    folder.write("empty.ghyll", "").ghyll("run empty.ghyll").failed(1, &["no `fn main`"]);
+    folder.write("other.ghyll", "fn f() -> i32 = 1;").ghyll("run other.ghyll").failed(2, &["--entry"]);
+}
+
+#[test]
+fn what_is_set_reads_no_parameter() {
+    let folder = Folder::new("set_reads_a_parameter");
+    let program = "param a: i32 = 2; param f: fn(i32) -> i32 = same; fn same(x: i32) -> i32 = x * a; fn main() -> i32 = f(1);";
+    folder.write("p.ghyll", program);
+    folder
+        .ghyll_with(&["run", "p.ghyll", "--set", "f=|x| x * a"])
+        .failed(2, &["`a` is a parameter", "reads none"]);
+}

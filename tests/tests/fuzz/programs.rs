@@ -312,7 +312,7 @@ fn request(checked: &ghyll_compiler::front::Checked, options: &Options) {
         Ok(compiled) => {
             compiled.result_words(&checked.module);
         }
-        Err(CompileError::Program(report)) => {
+        Err(CompileError::Program(report) | CompileError::Value(report)) => {
             assert!(report.has_errors(), "refused without an error");
             tell(&report);
         }

@@ -65,7 +65,7 @@ fn mistakes_are_reported() {
     for (text, ty, code) in [
         ("", Type::I32, SYNTAX),
         ("1 2", Type::I32, SYNTAX),
-        ("(1", Type::I32, SYNTAX),
+        ("(1", Type::I32, UNCLOSED),
         ("1.5", Type::I32, MISMATCH),
         ("2147483648", Type::I32, LITERAL_RANGE),
         ("doubel", Type::F32, UNKNOWN_NAME),

@@ -82,7 +82,7 @@ fn mistakes_are_shown_in_their_file() {
 #[test]
 fn syntax_errors_of_a_module_are_told() {
     let found = told("use \"a.ghyll\";", &[("src/a.ghyll", "fn a() -> i32 = (1;")]);
-    assert_eq!((found[0].0, found[0].1.as_str()), (SYNTAX, "src/a.ghyll"));
+    assert_eq!((found[0].0, found[0].1.as_str()), (UNCLOSED, "src/a.ghyll"));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, misplaced_range};
 use crate::foreign;
 use crate::lexer::Lexeme;
+use crate::source::Span;
 
 /// `x += 1`, `i++`, `a ** b`, `a === b`, `a <> b`, `a => b` for at least.
 pub(super) fn compound_operator(p: &Place) -> Option<Diagnostic> {
@@ -36,6 +37,13 @@ pub(super) fn compound_operator(p: &Place) -> Option<Diagnostic> {
         Some(found) => found,
         None => (-2, decrement(-2)?),
     };
+    if operator == "--" && (p.at_item() || p.begins_line(from)) {
+        let title = "`--` begins no comment";
+        return Some(
+            p.error(codes::FOREIGN_OPERATOR, from, from + 1, title)
+                .help("a comment is `// ..` or `/* .. */`"),
+        );
+    }
     let title = match operator {
         "op=" => "there are no operators that change a name's value".to_owned(),
         _ => format!("there is no operator `{operator}`"),
@@ -88,6 +96,7 @@ pub(super) fn text(p: &Place) -> Option<Diagnostic> {
 
 /// `x = 1;`, `if x = 1 { .. }`.
 pub(super) fn assignment(p: &Place) -> Option<Diagnostic> {
+    use Lexeme::{Comma, LParen};
     if p.lexeme(0)? != Lexeme::Assign {
         return None;
     }
@@ -101,12 +110,51 @@ pub(super) fn assignment(p: &Place) -> Option<Diagnostic> {
     if !p.after_operand() {
         return None;
     }
+    if let (Some(LParen | Comma), Some(field)) = (p.lexeme(-2), p.name(-1))
+        && p.expects(")")
+    {
+        let title = "a field is given with a colon";
+        return Some(
+            p.error(codes::ASSIGNMENT, 0, 0, title)
+                .label("`:` belongs here")
+                .help(format!("write `{field}: ..`; the arguments of a function have no names")),
+        );
+    }
     let name = p.name(-1).unwrap_or("x");
     Some(
         p.error(codes::ASSIGNMENT, 0, 0, "`=` neither compares nor changes a value")
             .label("not here")
             .help(format!("to compare, write `==`; to give a name to a value, `let {name} = ..;`")),
     )
+}
+
+/// `if c { a }` and then something else.
+pub(super) fn no_else(p: &Place) -> Option<Diagnostic> {
+    use Lexeme::*;
+    if !p.expects("else")
+        || p.lexeme(-1) != Some(RBrace)
+        || matches!(p.lexeme(0)?, Semi | Comma | RParen | RBracket)
+    {
+        return None;
+    }
+    let mut depth = 0usize;
+    let lexemes = &p.cx.lexemes;
+    let at = (0..p.at).rev().take(16 * NEAR).find(|&i| {
+        match lexemes[i].1 {
+            RBrace | RParen | RBracket => depth += 1,
+            LBrace | LParen | LBracket => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && lexemes[i].1 == If
+    })?;
+    let (start, _, end) = lexemes[at];
+    Some(if_without_else(p.cx.span(start, end)))
+}
+
+pub(in crate::parse) fn if_without_else(at: Span) -> Diagnostic {
+    Diagnostic::error(codes::IF_WITHOUT_ELSE, at, "this `if` has no `else`")
+        .label("has no value when the condition is false")
+        .help("`if` is an expression: add `else { .. }`")
 }
 
 /// `let r = 0..n;`

@@ -72,13 +72,17 @@ pub(super) fn type_first(p: &Place) -> Option<Diagnostic> {
     )
 }
 
-pub(super) fn is_type(word: &str) -> bool {
+pub(in crate::parse) fn is_type(word: &str) -> bool {
     crate::resolve::types::PLAIN.iter().any(|(name, _)| *name == word)
 }
 
 /// `Ray { origin: o }`, `struct Ray { origin: vec3 }`, `enum E(A, B)`.
 pub(super) fn field_braces(p: &Place) -> Option<Diagnostic> {
     use Lexeme::*;
+    if (p.lexeme(-1), p.lexeme(0)?) == (Some(With), LBrace) {
+        let title = "fields stand in parentheses";
+        return Some(p.error(codes::FIELD_BRACES, 0, 0, title).help("write `value with (field: new)`"));
+    }
     let help = match (p.lexeme(-2), p.name(-1), p.lexeme(0)?) {
         (Some(Struct), Some(name), LBrace) => format!("write `struct {name}(field: f32);`"),
         (Some(Enum), Some(name), LParen) => {
@@ -98,10 +102,57 @@ pub(super) fn field_braces(p: &Place) -> Option<Diagnostic> {
     Some(p.error(codes::FIELD_BRACES, 0, 0, "fields stand in parentheses").help(help))
 }
 
+/// `if let Some(x) = o { .. }`, `let x = 1 in x + 1`.
+pub(super) fn conditional_let(p: &Place) -> Option<Diagnostic> {
+    let lexeme = p.lexeme(0)?;
+    let (from, title, help) = match lexeme {
+        Lexeme::Let if p.lexeme(-1) == Some(Lexeme::If) => {
+            (-1, "there is no `if let`", "write `match o { Some(x) => .., None => .. }`")
+        }
+        Lexeme::Let if p.wants_operand() => (
+            0,
+            "a `let` stands in a block",
+            "write `{ let x = ..; value }`, whose value is the last expression",
+        ),
+        Lexeme::In if p.after_operand() => {
+            let statement = (0..p.at).rev().take(NEAR).map(|i| p.cx.lexemes[i].1);
+            let mut begins = statement.filter(|l| matches!(l, Lexeme::Let | Lexeme::Semi | Lexeme::LBrace));
+            if begins.next() != Some(Lexeme::Let) {
+                return None;
+            }
+            (0, "a `let` ends with `;`", "write `let x = ..;` and the value after it")
+        }
+        _ => return None,
+    };
+    Some(p.error(codes::FOREIGN_WORD, from, 0, title).help(help))
+}
+
+/// `[a, b] =>`, `x @ Some(_) =>`, `(a, ..) =>`.
+pub(super) fn foreign_pattern(p: &Place) -> Option<Diagnostic> {
+    // What follows a pattern, or a pattern itself.
+    let in_pattern = p.expects("=>") || p.expects("_") && p.expects("float") && !p.expects("[");
+    let (title, help) = match p.lexeme(0)? {
+        Lexeme::LBracket if p.expects("_") && !p.expects("[") && p.lexeme(-1) != Some(Lexeme::Colon) => (
+            "there are no patterns of arrays",
+            "match a tuple of the elements meant: `match (a[0], a[1]) { (0, x) => .., _ => .. }`",
+        ),
+        Lexeme::At if p.name(-1).is_some() && in_pattern => (
+            "a pattern names either the whole or its parts",
+            "give the whole a name before: `let x = ..; match x { Some(y) => .., None => .. }`",
+        ),
+        Lexeme::DotDot if in_pattern && matches!(p.lexeme(-1), Some(Lexeme::Comma | Lexeme::LParen)) => (
+            "a pattern of a tuple has all its components",
+            "write `_` for each one that does not matter: `(a, _, _)`",
+        ),
+        _ => return None,
+    };
+    Some(p.error(codes::FOREIGN_PATTERN, 0, 0, title).help(help))
+}
+
 /// `fn` within a block.
 pub(super) fn local_function(p: &Place) -> Option<Diagnostic> {
     let named = p.lexeme(0)? == Lexeme::Fn && (p.name(1).is_some() || p.lexeme(1) == Some(Lexeme::LParen));
-    if !named || !p.wants_operand() || !p.cx.unclosed.is_empty() {
+    if !named || !p.wants_operand() {
         return None;
     }
     Some(

@@ -1,6 +1,7 @@
 //! Command-line arguments (LANGUAGE.md, section 10).
 
 use crate::moving::Moving;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -494,6 +495,18 @@ pub fn prepared(raw: impl Iterator<Item = OsString>) -> Vec<OsString> {
         }
     }
     prepared
+}
+
+/// The error with what to do where arguments of the entry stand among those of the command.
+pub fn told(mut error: clap::Error) -> clap::Error {
+    let shown = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    let stray = shown(ContextKind::InvalidArg);
+    let entry = shown(ContextKind::Usage).contains("-- <ARGS>");
+    if error.kind() == ErrorKind::UnknownArgument && entry && !stray.starts_with('-') {
+        let tip = format!("write the arguments of the entry after `--`: `-- {stray}`");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
 }
 
 fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {

@@ -13,6 +13,8 @@ pub enum Failure {
     Input(String),
     /// Wrong usage; status 2.
     Usage(String),
+    /// A value on the command line is wrong; status 2.
+    Value { report: Report, json: bool },
     /// The run failed; status 3.
     Run(String),
 }
@@ -28,6 +30,10 @@ impl Failure {
             Failure::Diagnostics { report, json } => {
                 show(&report, json);
                 ExitCode::from(1)
+            }
+            Failure::Value { report, json } => {
+                show(&report, json);
+                ExitCode::from(2)
             }
             Failure::Input(message) => say(&message, 1),
             Failure::Usage(message) => say(&message, 2),

@@ -31,7 +31,8 @@ static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     quiet_without_a_display();
-    let arguments = Arguments::parse_from(arguments::prepared(std::env::args_os()));
+    let given = arguments::prepared(std::env::args_os());
+    let arguments = Arguments::try_parse_from(given).unwrap_or_else(|error| arguments::told(error).exit());
     let outcome = match &arguments.command {
         Command::Run(a) => commands::run::run(a),
         Command::Render(a) => commands::render::render(a),

@@ -86,6 +86,7 @@ fn setting(text: &str) -> Result<(String, String), Failure> {
 fn refused(error: CompileError, json: bool) -> Failure {
     match error {
         CompileError::Program(report) => Failure::Diagnostics { report, json },
+        CompileError::Value(report) => Failure::Value { report, json },
         CompileError::Request(message) => Failure::Usage(message),
     }
 }
@@ -119,7 +120,7 @@ fn in_range(checked: &Checked, name: &str, text: &str) -> Result<(), Failure> {
     let Some(param) = checked.module.params.iter().find(|p| p.name == name) else { return Ok(()) };
     let Some((lo, hi)) = &param.range else { return Ok(()) };
     let value = parse_arguments(&checked.module, text, &param.ty)
-        .map_err(|report| Failure::Diagnostics { report, json: false })?;
+        .map_err(|report| Failure::Value { report, json: false })?;
     let number = |expr: &Expr, locals: &[Local]| {
         let value =
             evaluate_argument(checked, expr.clone(), locals.to_vec(), &param.ty).map_err(Failure::run)?;

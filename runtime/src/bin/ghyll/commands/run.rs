@@ -59,7 +59,7 @@ pub fn arguments(
     for (at, (text, ty)) in texts.iter().zip(&compiled.params).enumerate() {
         let argument = parse_arguments(&checked.module, text, ty).map_err(|report| {
             let sources = report.sources.named(&format!("argument {}", at + 1));
-            Failure::Diagnostics { report: Report { sources, ..report }, json }
+            Failure::Value { report: Report { sources, ..report }, json }
         })?;
         let value = evaluate_argument(checked, argument.expr, argument.locals, ty).map_err(Failure::run)?;
         values.push(value);

@@ -10,6 +10,7 @@ mod hgt;
 pub(in crate::terrain) mod npy;
 mod pgm;
 mod png;
+mod prj;
 mod raw;
 mod text;
 mod usgs;
@@ -107,7 +108,9 @@ const GZIP: &[u8] = &[0x1f, 0x8b];
 pub(super) fn open(path: &Path, options: &DemOptions) -> Result<Terrain, DemError> {
     let file = path.display().to_string();
     known(&file, path)?;
-    read(&file, &bytes_of(path)?, options)
+    let mut terrain = read(&file, &bytes_of(path)?, options)?;
+    prj::place(&mut terrain, path, options);
+    Ok(terrain)
 }
 
 /// Looks at the first bytes and the name, so that a large file of another kind is refused before it is read.

@@ -71,7 +71,11 @@ impl<'a> Field<'a> {
         let gy = (y / self.spacing[1]).max(0.0).min(self.cells()[1]);
         let (i, j) = self.cell(gx, gy);
         let flat = |z| Corners { sw: z, se: z, nw: z, ne: z };
-        (self.corners(i, j).unwrap_or_else(|| flat(self.at_rim(gx, gy))), gx - f64::from(i), gy - f64::from(j))
+        (
+            self.corners(i, j).unwrap_or_else(|| flat(self.at_rim(gx, gy))),
+            gx - f64::from(i),
+            gy - f64::from(j),
+        )
     }
 
     /// Height at a grid position in a cell that touches a void: that of the sample on which it stands, else the field's lowest.

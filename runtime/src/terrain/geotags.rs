@@ -24,12 +24,13 @@ impl GeoKeys {
         rows.find(|row| row[0] == key && row[1] == 0).map(|row| row[3])
     }
 
-    /// Keys for a reference system that is known by its code only.
-    fn of(place: &Georeference) -> Option<GeoKeys> {
-        let code = u16::try_from(place.epsg?).ok()?;
+    /// Keys for a reference system that is known by its code, or only as one of degrees or of lengths.
+    fn of(place: &Georeference) -> GeoKeys {
         let (model, key) = if place.geographic { (2, GEOGRAPHIC_CRS) } else { (1, PROJECTED_CRS) };
-        let rows = [[1, 1, 0, 3], [MODEL_TYPE, 0, 1, model], [RASTER_TYPE, 0, 1, 1], [key, 0, 1, code]];
-        Some(GeoKeys { directory: rows.concat(), doubles: Vec::new(), text: String::new() })
+        let mut rows = vec![[MODEL_TYPE, 0, 1, model], [RASTER_TYPE, 0, 1, 1]];
+        rows.extend(place.epsg.and_then(|code| u16::try_from(code).ok()).map(|code| [key, 0, 1, code]));
+        rows.insert(0, [1, 1, 0, rows.len() as u16]);
+        GeoKeys { directory: rows.concat(), doubles: Vec::new(), text: String::new() }
     }
 }
 
@@ -49,7 +50,9 @@ impl GeoTags {
     /// A field without a place on the Earth lies in world metres.
     pub fn of(terrain: &Terrain) -> GeoTags {
         let (scale, centre, keys) = match &terrain.crs {
-            Some(place) => (place.step, place.north_west, place.keys.clone().or_else(|| GeoKeys::of(place))),
+            Some(place) => {
+                (place.step, place.north_west, Some(place.keys.clone().unwrap_or_else(|| GeoKeys::of(place))))
+            }
             None => (terrain.spacing, [0.0, terrain.extent()[1]], None),
         };
         let point = keys.as_ref().and_then(|keys| keys.get(RASTER_TYPE)) == Some(PIXEL_IS_POINT);

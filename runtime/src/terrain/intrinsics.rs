@@ -154,7 +154,9 @@ impl Scene {
             Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
             Intrinsic::Lowest => give(out, &[field.bounds(args)[0]]),
             Intrinsic::Inclines => give(out, &field.inclines(args)),
-            Intrinsic::Hole => give(out, &[f64::from(u8::from(field.holed(&[args[0], args[1], args[0], args[1]])))]),
+            Intrinsic::Hole => {
+                give(out, &[f64::from(u8::from(field.holed(&[args[0], args[1], args[0], args[1]])))])
+            }
             Intrinsic::Holed => give(out, &[f64::from(u8::from(field.holed(args)))]),
             Intrinsic::Camera => {
                 let (o, d) = self.camera().ray(args[0], args[1]);

@@ -4,7 +4,7 @@ use ghyll_compiler::compile::Compiled;
 use ghyll_runtime::terrain::Terrain;
 
 /// Samples that are baked for any picture: that is soon done.
-const FEW: u64 = 1 << 22;
+const FEW: u64 = 1 << 16;
 /// Evaluations of a baked sample that are worth one for a pixel: interpolated values are smooth, and other frames may come.
 const WORTH: u64 = 4;
 
@@ -27,7 +27,8 @@ mod tests {
 
     #[test]
     fn large_fields_are_baked_for_large_pictures_only() {
-        assert!(is_worth(512 * 512, 1), "few samples");
+        assert!(is_worth(256 * 256, 1), "few samples");
+        assert!(is_worth(512 * 512, 256 * 256) && !is_worth(512 * 512, 128 * 128));
         assert!(!is_worth(3601 * 3601, 1 << 20));
         assert!(is_worth(3601 * 3601, 4 << 20), "four samples a pixel, or four frames");
         assert!(is_worth(u64::MAX, u64::MAX));

@@ -22,10 +22,19 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
     crate::report::line!("samples  {} x {}", terrain.width, terrain.height);
     crate::report::line!("spacing  {dx:.3} m east-west, {dy:.3} m north-south");
     crate::report::line!("extent   {:.3} km x {:.3} km", east / 1000.0, north / 1000.0);
-    crate::report::line!("heights  {} m to {} m", terrain.min, terrain.max);
+    match terrain.voids < terrain.samples.len() {
+        true => {
+            crate::report::line!("heights  {} m to {} m", millimetres(terrain.min), millimetres(terrain.max))
+        }
+        false => crate::report::line!("heights  none: every sample is missing"),
+    }
     crate::report::line!("voids    {}", terrain.voids);
     crate::report::line!("crs      {}", crs(&terrain).unwrap_or_else(|| "none stated".into()));
     Ok(())
+}
+
+fn millimetres(z: f64) -> f64 {
+    (z * 1000.0).round() / 1000.0
 }
 
 fn crs(terrain: &Terrain) -> Option<String> {

@@ -13,6 +13,11 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     let compiled = compiled(&checked, &arguments.program, Some(EntryKind::Map))?;
     let asked = scene::Asked::new(&checked, &compiled, arguments.machine.on);
     let scene = scene::of_terrain(&asked, &arguments.terrain)?;
+    if arguments.terrain.reading.spacing.is_some()
+        && scene.as_ref().is_some_and(|scene| scene.terrain().crs.is_some())
+    {
+        eprintln!("--spacing changes distances on the ground; the map keeps the place that the data states");
+    }
     let (machine, mut config) = machine::open(&arguments.machine)?;
     eprintln!("mapping on {}: {}", machine.describe(), machine::reason(&arguments.machine, &machine));
     let job = Job { checked: &checked, compiled: &compiled, scene: scene.as_ref() };

@@ -89,7 +89,7 @@ pub fn judge(site: &Site, surface: Surface, ray: &Ray, answer: Answer) -> Verdic
         site.scene.eval_f64(surface.gradient, &at, &mut slope);
         slope
     };
-    look(site, ray, answer, real, &slope).unwrap_or_else(|| {
+    look(site, ray, answer, real, slope).unwrap_or_else(|| {
         let others: Vec<_> = moves(site, ray, answer).iter().map(|ray| truth(site, surface, ray)).collect();
         if excused(&others, answer, slack(site, ray, answer, slope)) {
             Verdict::Right

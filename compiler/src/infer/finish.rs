@@ -367,7 +367,7 @@ impl Finish<'_, '_> {
             // All alternatives bind the same names.
             PatternKind::Or(parts) => parts.first().is_some_and(|first| self.lookalikes(first)),
             PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) | PatternKind::Variant(_, _, parts) => {
-                parts.iter().fold(false, |any, part| self.lookalikes(part) || any)
+                parts.iter().filter(|part| self.lookalikes(part)).count() > 0
             }
         }
     }

@@ -289,3 +289,76 @@ fn habits_are_answered() {
         assert!(given.contains(help), "{text}: {given}");
     }
 }
+
+#[test]
+fn help_and_labels_name_what_was_meant() {
+    for (text, part) in [
+        ("fn main(o: Option<i32>) -> i32 = if let Some(x) = o { x } else { 0 };", "match"),
+        ("fn main(n: i32) -> i32 = let x = n + 1 in x * 2;", "{ let x = ..; value }"),
+        ("static X: i32 = 3;\nfn main() -> i32 = X;", "const"),
+        ("fn main(n: i32) -> i32 = x where x = n + 1;", "{ let x = ..; value }"),
+        ("struct P(x: i32);\nfn main() -> i32 = (P(x = 1)).x;", "`x: ..`"),
+        ("fn id<T>(x: T) -> T = x;\nfn main() -> i32 = id<i32>(3);", "inferred"),
+        (
+            "struct P(x: f32, y: f32);\nfn main(a: f32) -> P = P(1, 2) with { x: 3 };",
+            "value with (field: new)",
+        ),
+        ("fn main(n: (i32, i32)) -> i32 = match n { (a, ..) => a };", "(a, _, _)"),
+        ("fn main(v: vec2) -> f32 = v.length;", "length(value)"),
+        ("fn f(a: i32, b: i32 c: i32) -> i32 = a;\nfn main() -> i32 = f(1 2);", "a comma is missing"),
+        ("fn f(a: i32, b: i32 c: i32) -> i32 = a;\nfn main() -> i32 = f(1 2);", "a comma is missing"),
+        ("fn main(v: [i32]) -> i32 = v[0];", "states its length"),
+        ("fn main(m: mat2) -> f32 = m[0, 1];", "one number"),
+        ("main :: Int\nfn f() -> i32 = 1;", "an item begins with"),
+        (
+            "fn main(n: i32) -> i32 {\n    let x = n + 1;\n    x * 2\n\nfn other(a: i32) -> i32 = a;",
+            "next item",
+        ),
+        (
+            "fn f(n: i32) -> i32 {\n    let x = if n > 0 {\n        1\n    else {\n        2\n    };\n    x\n}\n@task fn g(n: i32) -> i32 = f(n);\nfn main(n: i32) -> i32 = g(n);",
+            "indented",
+        ),
+        ("fn main() -> i32 = max(1, min(3, 4);", "`)` belongs"),
+        ("fn main(n: i32 -> i32 { n }", "`)` belongs"),
+        ("fn main() -> i32 = max(1, [3, 4);", "`]` belongs"),
+        ("fn main(n: i32) -> i32 = [1, 2, 3)[n];", "`]` belongs"),
+        (
+            "fn main(n: i32) -> i32 {\n    let x = if n > 0 {\n        1\n        }}\n    else { 2 };\n    x\n}",
+            "one too many",
+        ),
+        (
+            "fn pixel(p: vec2) -> vec3 = hypsometric(bilinear(p)) + 0.0 * hypsometric(nearest(p));",
+            "use shade",
+        ),
+        (
+            "fn pixel(p: vec2) -> vec3 = hypsometric(bilinear(p)) + 0.0 * hypsometric(nearest(p));",
+            "use terrain",
+        ),
+        ("fn main(n: i32) -> i32 { let f = |x: i32| if x == 0 { 0 } else { f(x - 1) }; f(n) }", "top level"),
+        ("enum C { Red, Green }\nfn main() -> i32 = C(1);", "`Red`"),
+        ("fn same(x: T) -> i32 = 1;\nfn main(x: Weather) -> i32 = same(x);", "fn f<T>(x: T) -> T"),
+        ("fn same(x: T) -> i32 = 1;\nfn main(x: Weather) -> i32 = same(x);", "`struct`"),
+        ("fn main(n: i32) -> i32 = match n { x if x > 0 => 1, x if x <= 0 => 2 };", "a guard does not count"),
+        (
+            "enum C { Red, Green, Blue }\nfn main(n: i32) -> i32 = match colour(n) { Red => 1, Gren => 2, Blue => 3 };\nfn colour(n: i32) -> C = if n == 0 { Red } else { if n == 1 { Green } else { Blue } };",
+            "`Green`",
+        ),
+        (
+            "enum C { Red, Green }\nfn main(n: i32) -> i32 = match if n < 9 { Green } else { Red } { red => 1 };",
+            "`Red`",
+        ),
+        ("const limit = 3;\nfn main(n: i32) -> i32 = match n { limit => 1, _ => 2 };", "x == limit"),
+        ("fn main(n: Option<i32>) -> i32 = match n { None => 0, Some(X) => X };", "small letter"),
+        ("fn main() -> i32 { let a: [i32; 3] = [1, 2]; a[0] }", "3 are needed"),
+        ("fn f(x: f32) -> f32 = x;\nfn main() -> f32 = grad(f)(1.0);", "`deriv`"),
+    ] {
+        let found = match check(text) {
+            Ok(checked) => checked.warnings,
+            Err(report) => report.diagnostics,
+        };
+        let labels = |d: &Diagnostic| d.secondary.iter().map(|(_, label)| label.clone()).collect::<String>();
+        let said = |d: &Diagnostic| format!("{} {} {:?}", d.primary.1, labels(d), d.help);
+        let all: String = found.iter().map(said).collect();
+        assert!(all.contains(part), "{text}: {all}");
+    }
+}

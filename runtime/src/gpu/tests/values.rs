@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::super::readback::Readback;
 use super::super::*;
 use super::programs::{
     ackermann, branches, count, fib, fused, fused_value, gpu, grow, hofstadter, spin, takeuchi, total,
@@ -146,6 +147,32 @@ fn endless_loop_ends_by_timeout() {
     match value(&gpu, spin(), config, &[0]) {
         Err(RunError::Timeout { function, .. }) => assert_eq!(function, "spin"),
         other => panic!("{other:?}"),
+    }
+}
+
+/// Nothing interrupts a driver, but a run does not wait for it for ever.
+#[test]
+fn an_adapter_that_does_not_answer_ends_the_run() {
+    let Some(gpu) = gpu() else { return };
+    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let size = 64 << 20;
+    let large = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size,
+        usage,
+        mapped_at_creation: false,
+    });
+    let started = std::time::Instant::now();
+    let mut readback = Readback::default();
+    readback.wait_for(started, Duration::from_secs(30));
+    assert!(readback.read(&gpu, &[(&large, 0, 1)]).is_ok());
+    let Some(long_ago) = started.checked_sub(Duration::from_secs(60)) else { return };
+    readback.wait_for(long_ago, Duration::from_secs(1));
+    match readback.read(&gpu, &[(&large, 0, size as usize / 4)]) {
+        Err(error @ RunError::Unanswered { .. }) => {
+            assert!(error.to_string().contains("--timeout"), "{error}")
+        }
+        other => panic!("{:?}", other.map(|words| words.len())),
     }
 }
 

@@ -483,7 +483,12 @@ impl Infer<'_, '_> {
 
     /// Warns where a `let` names one value and nothing reads it. The parts of a pattern are named to tell them apart.
     pub(super) fn note_unused(&mut self, pattern: &Pattern) {
-        let PatternKind::Bind(id) = pattern.kind else { return };
+        if let PatternKind::Bind(id) = pattern.kind {
+            self.note_unused_name(id, "remove the `let`");
+        }
+    }
+
+    fn note_unused_name(&mut self, id: LocalId, mend: &str) {
         let local = &self.locals[id.0 as usize];
         if local.used.get() || local.name.starts_with('_') {
             return;
@@ -492,7 +497,7 @@ impl Infer<'_, '_> {
         self.unused.push(
             Diagnostic::warning(codes::UNUSED_NAME, span, format!("nothing uses `{name}`"))
                 .label("named, but never read")
-                .help(format!("remove the `let`, or call it `_{name}`")),
+                .help(format!("{mend}, or call it `_{name}`")),
         );
     }
 
@@ -500,18 +505,7 @@ impl Infer<'_, '_> {
     fn note_unused_parts(&mut self, pattern: &Pattern) {
         match &pattern.kind {
             PatternKind::Wild | PatternKind::Number(_) => {}
-            PatternKind::Bind(id) => {
-                let local = &self.locals[id.0 as usize];
-                if local.used.get() || local.name.starts_with('_') {
-                    return;
-                }
-                let (name, span) = (local.name.clone(), local.span);
-                self.unused.push(
-                    Diagnostic::warning(codes::UNUSED_NAME, span, format!("nothing uses `{name}`"))
-                        .label("named, but never read")
-                        .help(format!("write `_` instead, or call it `_{name}`")),
-                );
-            }
+            PatternKind::Bind(id) => self.note_unused_name(*id, "write `_` instead"),
             // All alternatives bind the same names.
             PatternKind::Or(parts) => parts.iter().take(1).for_each(|part| self.note_unused_parts(part)),
             PatternKind::Tuple(parts) | PatternKind::Struct(_, parts) | PatternKind::Variant(_, _, parts) => {

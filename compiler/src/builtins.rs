@@ -163,7 +163,7 @@ builtins! {
     SunColor "sun_color" Terrain Fixed("fn() -> vec3");
 
     // Bicubic at the points of a split of each cell into n x n parts, n whole and at least 1; bilinear between.
-    Subdivided "__subdivided" Library Fixed("fn(vec2, f32) -> f32");
+    Subdivided "__subdivided" Library Fixed("fn(vec2, i32) -> f32");
     // Texels (i - 1, j) to (i + 2, j) of the micro-heightfield, for whole i and j.
     MicroRow "__micro_row" Library Fixed("fn(f32, f32) -> vec4");
     // Means (i, j), (i + 1, j), (i, j + 1) and (i + 1, j + 1) of squares of 2^level x 2^level samples: level, i, j, whole.

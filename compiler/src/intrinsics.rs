@@ -61,9 +61,14 @@ intrinsics! {
     // First intersection: (origin, direction, near, far) -> (hit, distance).
     TraceTriangulated "trace_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
     TraceBilinear "trace_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 400;
+    TraceBicubic "trace_bicubic" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 900;
+    // The last operand is the number of parts along a cell's side.
+    TraceSubdivided "trace_subdivided" (F32, F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32) 900;
     OccludedTriangulated "occluded_triangulated" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
     OccludedBilinear "occluded_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
-    // Bounds of every surface above over a box: (x0, y0, x1, y1) -> z.
+    OccludedBicubic "occluded_bicubic" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 700;
+    OccludedSubdivided "occluded_subdivided" (F32, F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 700;
+    // Bounds of every sample over a box: (x0, y0, x1, y1) -> z.
     Highest "highest" (F32, F32, F32, F32) -> (F32) 40;
     Lowest "lowest" (F32, F32, F32, F32) -> (F32) 40;
     // Texels (i - 1, j) to (i + 2, j) of the micro-heightfield, in [-1, 1]: (i, j), whole.

@@ -56,6 +56,7 @@ pub struct GpuTerrain {
     micro: Option<wgpu::Buffer>,
     means: Option<wgpu::Buffer>,
     beams: Option<wgpu::Buffer>,
+    crests: Option<wgpu::Buffer>,
 }
 
 impl GpuTerrain {
@@ -64,7 +65,7 @@ impl GpuTerrain {
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let (field, rasters) = ("cut or reduce the field", "reduce them, or use --no-bake");
         let words = |used: bool, words: &dyn Fn() -> u64| if used { words() } else { 0 };
-        let is_read = uses.samples || uses.bounds || uses.floors;
+        let is_read = uses.samples || uses.bounds || uses.floors || uses.crests;
         let buffers = [
             ("the field's samples", field, words(is_read, &|| scene.sample_word_count())),
             ("the field's means", field, words(uses.means, &|| scene.mean_words().len() as u64)),
@@ -111,6 +112,10 @@ impl GpuTerrain {
         if uses.means {
             means = Some(read_only("terrain means", scene.mean_words()));
         }
+        let mut crests = None;
+        if uses.crests {
+            crests = Some(read_only("terrain crests", &scene.crests().words()));
+        }
         let mut beams = None;
         if uses.beams {
             let starts = &scene.beams().starts;
@@ -136,8 +141,18 @@ impl GpuTerrain {
             }));
         }
         let field = Arc::downgrade(scene.terrain());
-        let terrain =
-            GpuTerrain { field, scene: record, samples, bounds, rasters, floors, micro, means, beams };
+        let terrain = GpuTerrain {
+            field,
+            scene: record,
+            samples,
+            bounds,
+            rasters,
+            floors,
+            micro,
+            means,
+            beams,
+            crests,
+        };
         if let Some(rasters) = &terrain.rasters {
             queue.write_buffer(rasters, 0, bytemuck::cast_slice(&scene.layers().records()));
             for (slot, layer) in scene.layers().iter() {
@@ -178,7 +193,7 @@ impl GpuTerrain {
     /// Bytes on the device: scene record, samples, bounds of both sides, rasters, means, the micro-heightfield and beams together.
     pub fn bytes(&self) -> [u64; 5] {
         let size = |buffer: &Option<wgpu::Buffer>| buffer.as_ref().map_or(0, wgpu::Buffer::size);
-        let bounds = size(&self.bounds) + size(&self.floors);
+        let bounds = size(&self.bounds) + size(&self.floors) + size(&self.crests);
         let further = size(&self.means) + size(&self.micro) + size(&self.beams);
         [self.scene.size(), size(&self.samples), bounds, size(&self.rasters), further]
     }
@@ -209,8 +224,8 @@ impl GpuTerrain {
 
     /// Every buffer with its binding.
     fn buffers(&self) -> Vec<(u32, &wgpu::Buffer)> {
-        let GpuTerrain { samples, bounds, rasters, floors, micro, means, beams, .. } = self;
-        let read = [samples, bounds, rasters, floors, micro, means, beams];
+        let GpuTerrain { samples, bounds, rasters, floors, micro, means, beams, crests, .. } = self;
+        let read = [samples, bounds, rasters, floors, micro, means, beams, crests];
         let read = read.map(Option::as_ref);
         let all = std::iter::once(Some(&self.scene)).chain(read);
         (0..).zip(all).filter_map(|(binding, buffer)| Some((binding, buffer?))).collect()

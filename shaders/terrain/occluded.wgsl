@@ -2,7 +2,7 @@
 fn occluded_SURFACE(
     ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, near: f32, far: f32,
 ) -> bool {
-    let ray = terrain_enter(ox, oy, oz, dx, dy, dz, near, far);
+    let ray = terrain_enter(ox, oy, oz, dx, dy, dz, near, far, TERRAIN_OVERSHOOT_SURFACE);
     if !ray.valid {
         return false;
     }

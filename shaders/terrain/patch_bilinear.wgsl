@@ -1,6 +1,6 @@
 // Height over the surface at the way's entry, and its change by s; the way is seen from one of the corners, which is in the
 // east, in the north.
-fn terrain_over_bilinear(corners: TerrainCorners, way: TerrainWay, corner: vec2<bool>) -> vec2<f32> {
+fn terrain_over_bilinear(corners: TerrainCorners, way: TerrainWay, corner: vec2<bool>, parts: f32) -> vec2<f32> {
     let south_edge = corners.se - corners.sw;
     let north_edge = corners.ne - corners.nw;
     let east = select(south_edge, north_edge, corner.y);
@@ -13,8 +13,8 @@ fn terrain_over_bilinear(corners: TerrainCorners, way: TerrainWay, corner: vec2<
 }
 
 // First s with z(ray) <= surface: a ray that comes in under the surface hits at once, so nothing slips between cells.
-fn terrain_patch_bilinear(corners: TerrainCorners, way: TerrainWay) -> f32 {
-    let over = terrain_over_bilinear(corners, way, vec2<bool>(false));
+fn terrain_patch_bilinear(corners: TerrainCorners, way: TerrainWay, parts: f32) -> f32 {
+    let over = terrain_over_bilinear(corners, way, vec2<bool>(false), parts);
     let f_in = over.x;
     let b = over.y;
     if f_in <= 0.0 {

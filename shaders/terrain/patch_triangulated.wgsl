@@ -9,7 +9,7 @@ fn terrain_halves(corners: TerrainCorners, way: TerrainWay, side: f32) -> vec4<f
 
 // Height over the surface at the way's entry, and its change by s; the way is seen from one of the corners, which is in the
 // east, in the north.
-fn terrain_over_triangulated(corners: TerrainCorners, way: TerrainWay, corner: vec2<bool>) -> vec2<f32> {
+fn terrain_over_triangulated(corners: TerrainCorners, way: TerrainWay, corner: vec2<bool>, parts: f32) -> vec2<f32> {
     let aside = select(0.0, 1.0, corner.x) - select(0.0, 1.0, corner.y);
     let first = terrain_halves(corners, way, way.u - way.v + aside).xy;
     return vec2<f32>(
@@ -18,8 +18,8 @@ fn terrain_over_triangulated(corners: TerrainCorners, way: TerrainWay, corner: v
     );
 }
 
-fn terrain_patch_triangulated(corners: TerrainCorners, way: TerrainWay) -> f32 {
-    let over = terrain_over_triangulated(corners, way, vec2<bool>(false));
+fn terrain_patch_triangulated(corners: TerrainCorners, way: TerrainWay, parts: f32) -> f32 {
+    let over = terrain_over_triangulated(corners, way, vec2<bool>(false), parts);
     let f_in = over.x;
     let b = over.y;
     if f_in <= 0.0 {

@@ -30,6 +30,8 @@ struct TerrainRay {
     end: f32,
     last: bool,
     valid: bool,
+    // Along a cell's side, of a subdivided surface.
+    parts: f32,
 }
 
 // By the bits, since the language lets compilers assume that NaN and infinity do not occur.
@@ -55,8 +57,9 @@ fn terrain_clip(p: f32, inverse: f32, size: f32, part: vec2<f32>) -> vec2<f32> {
     return vec2<f32>(max(part.x, min(a, b) - slack), min(part.y, max(a, b) + slack));
 }
 
+// The field's box is raised by a part of the relief.
 fn terrain_enter(
-    ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, near: f32, far: f32,
+    ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, near: f32, far: f32, overshoot: f32,
 ) -> TerrainRay {
     var ray: TerrainRay;
     ray.valid = false;
@@ -94,9 +97,9 @@ fn terrain_enter(
         return ray;
     }
 
-    // Above the highest sample nothing can be hit.
+    // Above the surface nothing can be hit.
     let low = terrain_scene.raw_relief.x;
-    let high = terrain_scene.raw_relief.y;
+    let high = terrain_scene.raw_relief.y + overshoot * (terrain_scene.raw_relief.y - low);
     let size = abs(high) + abs(low);
     let top = high + 1e-3 + 1e-5 * (high - low) + 1e-6 * size + 1e-6 * abs(p.z);
     ray.fall = 0.0;

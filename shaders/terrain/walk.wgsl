@@ -39,7 +39,7 @@ fn terrain_walk_SURFACE(entered: TerrainRay, settled: bool) -> f32 {
             var row = terrain_scene.levels[level];
             while level > 0u && !(gone || ended) {
                 let z_out = ray.low + out * ray.d.z;
-                if min(z, z_out) <= terrain_bound(row.x + u32(node.y) * row.y + u32(node.x)) {
+                if min(z, z_out) <= terrain_top_SURFACE(row.x + u32(node.y) * row.y + u32(node.x)) {
                     // Descend to the half of each axis that the ray is in at s.
                     level -= 1u;
                     row = terrain_scene.levels[level];
@@ -110,15 +110,15 @@ fn terrain_walk_SURFACE(entered: TerrainRay, settled: bool) -> f32 {
 // Where the ray meets the cell that it is in between two distances: a distance, and the rest of it, less than 0 for none. The heights are the walk's, a little too
 // low; what decides is computed here from the base without loss.
 fn terrain_hit_SURFACE(ray: TerrainRay, node: vec2<i32>, entry: f32, out: f32, z: f32, z_out: f32) -> vec2<f32> {
-    let corners = terrain_corners(u32(node.x), u32(node.y));
-    let highest = terrain_highest(corners);
-    if min(z, z_out) > highest || terrain_lowest(corners) == TERRAIN_VOID {
+    let samples = terrain_samples_SURFACE(vec2<u32>(node));
+    let highest = terrain_range_SURFACE(samples).y;
+    if min(z, z_out) > highest || terrain_void_SURFACE(samples) {
         return vec2<f32>(0.0, TERRAIN_MISS);
     }
     // From high above, begin where the cell's top is near.
     let s = min(entry + max(z - highest, 0.0) * ray.fall * 0.999999, out);
-    let way = terrain_reach_SURFACE(ray, node, corners.sw, s, s * ray.rest, out - s);
-    return vec2<f32>(s, terrain_patch_SURFACE(corners, way));
+    let way = terrain_reach_SURFACE(ray, node, terrain_corner_SURFACE(samples, vec2<bool>(false)), s, s * ray.rest, out - s);
+    return vec2<f32>(s, terrain_patch_SURFACE(samples, way, ray.parts));
 }
 
 // The way from s on, seen from a sample of that height: computed from the base without loss. `more` is what single precision leaves out of it.
@@ -140,16 +140,17 @@ fn terrain_reach_SURFACE(ray: TerrainRay, corner: vec2<i32>, height: f32, s: f32
 // roundings: there the ray grazes, or it came in under the surface, at a wall along the rim or a void. Then it is one step to
 // the wall, for distances to planes are only as exact as the way from a base.
 fn terrain_settled_SURFACE(ray: TerrainRay, node: vec2<i32>, met: vec2<f32>) -> f32 {
-    let corners = terrain_corners(u32(node.x), u32(node.y));
+    let samples = terrain_samples_SURFACE(vec2<u32>(node));
     let at = terrain_sum(met.x, met.y);
     let far = vec2<f32>(ray.cell - node) + (at.x * ray.d.xy + ray.p) > vec2<f32>(0.5);
-    let height = select(select(corners.sw, corners.se, far.x), select(corners.nw, corners.ne, far.x), far.y);
+    let height = terrain_corner_SURFACE(samples, far);
     let corner = node + select(vec2<i32>(0), vec2<i32>(1), far);
     let way = terrain_reach_SURFACE(ray, corner, height, at.x, at.x * ray.rest + at.y * ray.d, 0.0);
-    let over = terrain_over_SURFACE(corners, way, far);
+    let over = terrain_over_SURFACE(samples, way, far, ray.parts);
+    let range = terrain_range_SURFACE(samples);
     let step = -over.x / over.y;
     let inverse = abs(ray.inverse);
-    let rounded = abs(over.x) <= 2.4e-7 * (terrain_highest(corners) - terrain_lowest(corners));
+    let rounded = abs(over.x) <= TERRAIN_ROUNDED_SURFACE * (range.y - range.x);
     let most = select(2e-6, 1e-5, rounded) * min(inverse.x, inverse.y);
     let base = terrain_sum(ray.start, at.x);
     let t = base.x + (base.y + at.y);

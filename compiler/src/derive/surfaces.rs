@@ -25,10 +25,12 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         GradientSubdivided => Jacobian::Given(TwistSubdivided),
         Triangulated => Jacobian::Given(GradientTriangulated),
         Nearest | TwistBilinear | TwistSubdivided | GradientTriangulated => Jacobian::Flat,
-        OccludedTriangulated | OccludedBilinear => Jacobian::Flat,
+        OccludedTriangulated | OccludedBilinear | OccludedBicubic | OccludedSubdivided => Jacobian::Flat,
         Hole | Holed | MicroRow | Means => Jacobian::Flat,
         Highest | Lowest | Inclines | BendBicubic => Jacobian::Unknown,
-        TraceTriangulated | TraceBilinear | Camera | BeamStart | Place => Jacobian::Unknown,
+        TraceTriangulated | TraceBilinear | TraceBicubic | TraceSubdivided | Camera | BeamStart | Place => {
+            Jacobian::Unknown
+        }
         // Of a raster or a baked function.
         Raster1 => Jacobian::Given(GradientRaster1),
         Raster2 => Jacobian::Given(GradientRaster2),

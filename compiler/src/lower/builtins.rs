@@ -2,13 +2,28 @@
 
 use super::Lower;
 use super::call::Application;
+use super::expr::constant;
 use super::value::{Closure, Value};
 use crate::bounds::Ask;
 use crate::builtins::{Builtin, Shape};
 use crate::core::{Atom, Const, Intrinsic, Op, Prim, Scalar};
-use crate::typed::{ExprKind, Type};
+use crate::typed::{ExprKind, LocalId, Type};
 use Scalar::{F32, U32};
 use smallvec::smallvec;
+
+/// Surfaces that are met cell by cell.
+const TRACES: [(Builtin, Intrinsic); 4] = [
+    (Builtin::Triangulated, Intrinsic::TraceTriangulated),
+    (Builtin::Bilinear, Intrinsic::TraceBilinear),
+    (Builtin::Bicubic, Intrinsic::TraceBicubic),
+    (Builtin::Subdivided, Intrinsic::TraceSubdivided),
+];
+const SHADOWS: [(Builtin, Intrinsic); 4] = [
+    (Builtin::Triangulated, Intrinsic::OccludedTriangulated),
+    (Builtin::Bilinear, Intrinsic::OccludedBilinear),
+    (Builtin::Bicubic, Intrinsic::OccludedBicubic),
+    (Builtin::Subdivided, Intrinsic::OccludedSubdivided),
+];
 
 impl<'m> Lower<'m> {
     pub(super) fn builtin(&mut self, builtin: Builtin, at: Application<'_, 'm>) -> Value<'m> {
@@ -70,13 +85,12 @@ impl<'m> Lower<'m> {
                 let parts: Vec<Atom> = args.iter().flat_map(Value::components).collect();
                 Value::Group(parts.chunks(n as usize).map(|column| Value::vector(column.to_vec())).collect())
             }
-            Builtin::Trace => {
-                self.on_surface(at, [Intrinsic::TraceTriangulated, Intrinsic::TraceBilinear], "_first")
+            Builtin::Subdivided => {
+                let parts = self.parts(&args[1]);
+                self.intrinsic(Intrinsic::Subdivided, &[args[0].clone(), parts], at.result)
             }
-            Builtin::Occluded => {
-                let intrinsics = [Intrinsic::OccludedTriangulated, Intrinsic::OccludedBilinear];
-                self.on_surface(at, intrinsics, "_blocked")
-            }
+            Builtin::Trace => self.on_surface(at, TRACES, "_first"),
+            Builtin::Occluded => self.on_surface(at, SHADOWS, "_blocked"),
             Builtin::Above => self.enclosure(Ask::Above, at),
             Builtin::Along => self.enclosure(Ask::Along, at),
             _ => match direct(builtin) {
@@ -104,34 +118,53 @@ impl<'m> Lower<'m> {
         self.unflatten(result, &mut words.into_iter())
     }
 
-    /// An operation that has an intrinsic for each surface (triangulated, bilinear), and a library function for any other.
+    /// An operation that has an intrinsic for some surfaces, and a library function for any other.
     fn on_surface(
         &mut self,
         at: Application<'_, 'm>,
-        [triangulated, bilinear]: [Intrinsic; 2],
+        intrinsics: [(Builtin, Intrinsic); 4],
         general: &str,
     ) -> Value<'m> {
-        let intrinsic = match self.surface(&at.args[0]) {
-            Some(Builtin::Triangulated) => triangulated,
-            Some(Builtin::Bilinear) => bilinear,
-            _ => {
-                let id = self.library(general).expect("tracing is named by the library alone");
-                return self.apply(&Value::function(Closure::Function(id, Vec::new())), at);
-            }
+        let known = self.surface(&at.args[0]).and_then(|(sampler, parts)| {
+            let (_, intrinsic) = intrinsics.iter().find(|(row, _)| *row == sampler)?;
+            Some((*intrinsic, parts))
+        });
+        let Some((intrinsic, parts)) = known else {
+            let id = self.library(general).expect("tracing is named by the library alone");
+            return self.apply(&Value::function(Closure::Function(id, Vec::new())), at);
         };
-        self.intrinsic(intrinsic, &at.args[1..], at.result)
+        let mut operands = at.args[1..].to_vec();
+        if let Some(parts) = parts {
+            operands.push(self.parts(&parts));
+        }
+        self.intrinsic(intrinsic, &operands, at.result)
     }
 
-    /// The sampler behind a surface: itself, or a function that only forwards its argument.
-    fn surface(&self, value: &Value<'m>) -> Option<Builtin> {
+    /// At least one, as a float.
+    fn parts(&mut self, n: &Value<'m>) -> Value<'m> {
+        let n = self.zip(Prim::Max, n, &Value::constant(Const::I32(1)));
+        self.convert(Prim::ToF32, &n)
+    }
+
+    /// The sampler behind a surface, and what it takes beside a position: itself, or a function that only forwards its argument.
+    fn surface(&self, value: &Value<'m>) -> Option<(Builtin, Option<Value<'m>>)> {
         let Value::Function(closure) = value else { return None };
-        let (params, body, captures) = match &**closure {
-            Closure::Builtin(builtin) => return Some(*builtin),
+        self.forwarded(closure, None)
+    }
+
+    /// Of a function that is given a position, and what it takes beside that.
+    fn forwarded(
+        &self,
+        closure: &Closure<'m>,
+        beside: Option<Value<'m>>,
+    ) -> Option<(Builtin, Option<Value<'m>>)> {
+        let (params, body, captures) = match closure {
+            Closure::Builtin(builtin) => return Some((*builtin, beside)),
             Closure::Function(id, _) => {
                 let definition = &self.module.functions[id.0 as usize];
-                (&definition.params[..], &definition.body, None)
+                (&definition.params[..], &definition.body, &[][..])
             }
-            Closure::Lambda(lambda) => (lambda.params, lambda.body, Some(&lambda.captures)),
+            Closure::Lambda(lambda) => (lambda.params, lambda.body, &lambda.captures[..]),
             _ => return None,
         };
         let mut body = body;
@@ -142,15 +175,27 @@ impl<'m> Lower<'m> {
             body = value;
         }
         let ExprKind::Call(callee, args) = &body.kind else { return None };
-        if !matches!(&args[..], [arg] if matches!(arg.kind, ExprKind::Local(id) if params.contains(&id))) {
+        let known = |id: LocalId| captures.iter().find(|c| c.local == id).map(|c| c.value.clone());
+        let further = match &args[..] {
+            [_] => None,
+            [_, further] => Some(match &further.kind {
+                ExprKind::Literal(literal) => Value::constant(constant(*literal)),
+                ExprKind::Local(id) if params.get(1) == Some(id) => beside?,
+                ExprKind::Local(id) => known(*id)?,
+                _ => return None,
+            }),
+            _ => return None,
+        };
+        if !matches!(args[0].kind, ExprKind::Local(id) if params.first() == Some(&id)) {
             return None;
         }
         match &callee.kind {
-            ExprKind::Builtin(builtin) => Some(*builtin),
-            ExprKind::Function(id, types) => {
-                self.surface(&Value::function(Closure::Function(*id, types.clone())))
-            }
-            ExprKind::Local(id) => self.surface(&captures?.iter().find(|c| c.local == *id)?.value),
+            ExprKind::Builtin(builtin) => Some((*builtin, further)),
+            ExprKind::Function(id, types) => self.forwarded(&Closure::Function(*id, types.clone()), further),
+            ExprKind::Local(id) => match known(*id)? {
+                Value::Function(closure) => self.forwarded(&closure, further),
+                _ => None,
+            },
             _ => None,
         }
     }
@@ -481,7 +526,6 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::Triangulated => Intrinsic::Triangulated,
         Builtin::Bilinear => Intrinsic::Bilinear,
         Builtin::Bicubic => Intrinsic::Bicubic,
-        Builtin::Subdivided => Intrinsic::Subdivided,
         Builtin::MicroRow => Intrinsic::MicroRow,
         Builtin::Means => Intrinsic::Means,
         Builtin::SunDir => Intrinsic::SunDir,

@@ -43,6 +43,7 @@ const PYRAMID: Uses = Uses {
     micro: false,
     means: false,
     beams: false,
+    crests: false,
 };
 
 fn scene(terrain: Terrain) -> Scene {
@@ -81,6 +82,7 @@ fn only_what_is_used_is_uploaded() {
         micro: true,
         means: true,
         beams: true,
+        crests: true,
     });
     assert_eq!((all[1], all[3]), (9 * 9 * 4, 4 * scene.layers().size()));
     let (means, tiles) = (scene.mean_words().len() as u64, 128 * 128);
@@ -106,7 +108,8 @@ fn the_pyramid_equals_its_twin() {
         let scene = scene(terrain);
         let gpu = GpuTerrain::new(&device, &queue, &scene, PYRAMID).unwrap();
         for (side, buffer) in [(Side::Above, &gpu.bounds), (Side::Below, &gpu.floors)] {
-            let expected = scene.bound_words(side);
+            let pyramid = if side == Side::Above { scene.pyramid() } else { scene.floors() };
+            let expected = pyramid.words();
             let found = read(&device, &queue, buffer.as_ref().unwrap());
             if scene.pyramid().top() > 0 {
                 // Padding nodes are not written.
@@ -255,7 +258,7 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
                 let [x, y] = [unit() * 1.2 - 0.1, unit() * 1.2 - 0.1];
                 args.extend([x * w, y * h, (x + size * unit()) * w, (y + size * unit()) * h]);
             }
-            8 => {
+            8 | 9 => {
                 let from =
                     [(unit() * 2.0 - 0.5) * w, (unit() * 2.0 - 0.5) * h, lo + 2.0 * unit() * (hi - lo)];
                 let to = [unit() * w, unit() * h, lo + unit() * (hi - lo)];
@@ -264,6 +267,7 @@ fn arguments(scene: &Scene, intrinsic: Intrinsic, count: u32) -> Vec<u32> {
                 args.extend(from);
                 args.extend(d.map(|d| d / length));
                 args.extend([0.0, 1e9]);
+                args.extend((intrinsic.params().len() == 9).then(|| 1.0 + (unit() * 8.0).floor()));
             }
             _ => {}
         }

@@ -46,8 +46,8 @@ pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> 
         (_, [Datum::Moving(p)]) if SURFACES.contains(&b) => {
             return samplers::sample(oracle, samplers::Kind::Plain(b), p).map(|r| moving::datum(vec![r]));
         }
-        (Builtin::Subdivided, [Datum::Moving(p), Datum::F32(n)]) => {
-            return samplers::sample(oracle, samplers::Kind::Subdivided(*n), p)
+        (Builtin::Subdivided, [Datum::Moving(p), n]) => {
+            return samplers::sample(oracle, samplers::Kind::Subdivided(parts(n)?), p)
                 .map(|r| moving::datum(vec![r]));
         }
         _ => {}
@@ -56,7 +56,7 @@ pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> 
         return sample(oracle, Sampler::Surface(b), [0, 0], p);
     }
     if let (Builtin::Subdivided, [p, n]) = (b, args) {
-        return sample(oracle, Sampler::Subdivided(n.plain().f32()?), [0, 0], p);
+        return sample(oracle, Sampler::Subdivided(parts(n)?), [0, 0], p);
     }
     if dual::highest(args) > 0 && !FLAT.contains(&b) {
         let what = b.name().trim_start_matches('_');
@@ -81,6 +81,11 @@ pub fn apply<'m>(oracle: &mut Evaluator<'m>, b: Builtin, args: &[Datum<'m>]) -> 
     };
     let values = ask(oracle, *intrinsic, &args[1..])?;
     Ok(shape(b, *intrinsic, &values))
+}
+
+/// Along a cell's side.
+fn parts(n: &Datum<'_>) -> Result<f64, RunError> {
+    Ok(f64::from(n.plain().i32()?.max(1)))
 }
 
 /// What is read at a position.

@@ -7,11 +7,14 @@ use super::field::Terrain;
 use super::layout::SceneUniform;
 use super::ray::WorldRay;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Surface {
     Nearest,
     Triangulated,
     Bilinear,
+    Bicubic,
+    /// By the parts along a cell's side.
+    Subdivided(f64),
 }
 
 /// The field as the scene has rounded it.
@@ -88,6 +91,8 @@ impl<'a> Field<'a> {
     pub fn height(&self, surface: Surface, x: f64, y: f64) -> f64 {
         let (c, u, v) = self.locate(x, y);
         match surface {
+            Surface::Bicubic => self.bicubic(x, y, [0, 0]),
+            Surface::Subdivided(n) => self.subdivided(x, y, n, [0, 0]),
             Surface::Bilinear => bilinear(&c, u, v),
             Surface::Triangulated => triangulated(&c, u, v),
             Surface::Nearest => {
@@ -154,6 +159,8 @@ impl<'a> Field<'a> {
         let (c, u, v) = self.locate(x, y);
         let [east, north] = match surface {
             Surface::Nearest => [0.0, 0.0],
+            Surface::Bicubic => return [[1, 0], [0, 1]].map(|order| self.bicubic(x, y, order)),
+            Surface::Subdivided(n) => return [[1, 0], [0, 1]].map(|order| self.subdivided(x, y, n, order)),
             Surface::Bilinear => {
                 [(1.0 - v) * (c.se - c.sw) + v * (c.ne - c.nw), (1.0 - u) * (c.nw - c.sw) + u * (c.ne - c.se)]
             }
@@ -180,7 +187,7 @@ impl<'a> Field<'a> {
         if origin.iter().chain(&dir).any(|x| !x.is_finite()) || near.is_nan() || far.is_nan() {
             return None;
         }
-        // Nothing lies above the highest sample; bounding an endless ray keeps the arithmetic finite.
+        // Nothing lies above the highest sample, or above what a spline passes it by; bounding an endless ray keeps the arithmetic finite.
         let (mut from, mut to) = (near.max(-1e30), far.min(1e30));
         let grid = |axis: usize, t: f64| (origin[axis] + t * dir[axis]) / self.spacing[axis];
         for axis in 0..2 {
@@ -197,7 +204,11 @@ impl<'a> Field<'a> {
             }
         }
         if dir[2] > 0.0 {
-            to = to.min((self.high + 1e-6 - origin[2]) / dir[2]);
+            let over = match surface {
+                Surface::Bicubic | Surface::Subdivided(_) => 0.3 * (self.high - self.low),
+                _ => 0.0,
+            };
+            to = to.min((self.high + over + 1e-6 - origin[2]) / dir[2]);
         }
         if from > to {
             return None;
@@ -226,6 +237,8 @@ impl<'a> Field<'a> {
             let share = match surface {
                 Surface::Bilinear => meet_bilinear(&corners, u, v, z),
                 Surface::Triangulated => meet_triangulated(&corners, u, v, z),
+                Surface::Bicubic => bicubic::meet_bicubic(self.around(i, j), u, v, z),
+                Surface::Subdivided(n) => bicubic::meet_subdivided(self.around(i, j), n, u, v, z),
                 Surface::Nearest => None,
             }?;
             Some(a + share * (b - a))

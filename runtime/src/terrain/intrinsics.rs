@@ -5,7 +5,7 @@ use super::exact::{Field, Surface};
 use super::field::Samples;
 use super::layout::SceneUniform;
 use super::means;
-use super::patch::{Bilinear, Triangulated};
+use super::patch::{Bicubic, Bilinear, Subdivided, Triangulated};
 use super::pyramid::Bounds;
 use super::range;
 use super::ray::WorldRay;
@@ -15,6 +15,14 @@ use super::view::Projection;
 use super::walk::{self, Heights, Heights16, Heights32};
 use crate::world::World;
 use ghyll_compiler::intrinsics::Intrinsic;
+
+/// What asks for the bounds of the bicubic surface.
+const CURVED: &[Intrinsic] = &[
+    Intrinsic::TraceBicubic,
+    Intrinsic::TraceSubdivided,
+    Intrinsic::OccludedBicubic,
+    Intrinsic::OccludedSubdivided,
+];
 
 impl World for Scene {
     fn bytes(&self) -> u64 {
@@ -49,12 +57,12 @@ impl Scene {
         match (intrinsic, &self.terrain().samples) {
             (Intrinsic::MicroRow, _) => return floats(out, &self.micro().row(arg(0), arg(1))),
             (Intrinsic::Means, Samples::I16(samples)) => {
-                let heights = Heights16 { samples, bounds: &[], floors: &[] };
+                let heights = Heights16 { samples, bounds: &[], floors: &[], crests: &[] };
                 let words = self.mean_words();
                 return floats(out, &means::means(scene, &heights, words, true, [0, 1, 2].map(arg)));
             }
             (Intrinsic::Means, Samples::F32(samples)) => {
-                let heights = Heights32 { samples, bounds: &[], floors: &[] };
+                let heights = Heights32 { samples, bounds: &[], floors: &[], crests: &[] };
                 let words = self.mean_words();
                 return floats(out, &means::means(scene, &heights, words, false, [0, 1, 2].map(arg)));
             }
@@ -64,14 +72,17 @@ impl Scene {
             _ => {}
         }
         let floors = (intrinsic == Intrinsic::Lowest).then(|| &self.floors().bounds);
-        match (&self.terrain().samples, &self.pyramid().bounds, floors) {
-            (Samples::I16(samples), Bounds::I16(bounds), floors) => {
-                let floors = if let Some(Bounds::I16(floors)) = floors { floors.as_slice() } else { &[] };
-                evaluate(scene, &Heights16 { samples, bounds, floors }, intrinsic, args, out);
+        let crests = CURVED.contains(&intrinsic).then(|| &self.crests().bounds);
+        match (&self.terrain().samples, &self.pyramid().bounds) {
+            (Samples::I16(samples), Bounds::I16(bounds)) => {
+                let of = |pyramid: Option<_>| pyramid.map_or(&[][..], Bounds::i16s);
+                let heights = Heights16 { samples, bounds, floors: of(floors), crests: of(crests) };
+                evaluate(scene, &heights, intrinsic, args, out);
             }
-            (Samples::F32(samples), Bounds::F32(bounds), floors) => {
-                let floors = if let Some(Bounds::F32(floors)) = floors { floors.as_slice() } else { &[] };
-                evaluate(scene, &Heights32 { samples, bounds, floors }, intrinsic, args, out);
+            (Samples::F32(samples), Bounds::F32(bounds)) => {
+                let of = |pyramid: Option<_>| pyramid.map_or(&[][..], Bounds::f32s);
+                let heights = Heights32 { samples, bounds, floors: of(floors), crests: of(crests) };
+                evaluate(scene, &heights, intrinsic, args, out);
             }
             _ => unreachable!("a pyramid has the format of its samples"),
         }
@@ -82,12 +93,12 @@ impl Scene {
         let (scene, ray, mut steps) = (self.uniform(), world_ray(ray), 0u64);
         let found = match (&self.terrain().samples, &self.pyramid().bounds) {
             (Samples::I16(samples), Bounds::I16(bounds)) => {
-                let heights = Heights16 { samples, bounds, floors: &[] };
-                walk::metered::<_, Bilinear, _>(scene, &heights, &ray, &mut steps)
+                let heights = Heights16 { samples, bounds, floors: &[], crests: &[] };
+                walk::metered(scene, &heights, Bilinear, &ray, &mut steps)
             }
             (Samples::F32(samples), Bounds::F32(bounds)) => {
-                let heights = Heights32 { samples, bounds, floors: &[] };
-                walk::metered::<_, Bilinear, _>(scene, &heights, &ray, &mut steps)
+                let heights = Heights32 { samples, bounds, floors: &[], crests: &[] };
+                walk::metered(scene, &heights, Bilinear, &ray, &mut steps)
             }
             _ => unreachable!("a pyramid has the format of its samples"),
         };
@@ -149,6 +160,10 @@ impl Scene {
             }
             Intrinsic::TraceTriangulated => give(out, &trace(Surface::Triangulated)),
             Intrinsic::TraceBilinear => give(out, &trace(Surface::Bilinear)),
+            Intrinsic::TraceBicubic => give(out, &trace(Surface::Bicubic)),
+            Intrinsic::TraceSubdivided => give(out, &trace(Surface::Subdivided(args[8]))),
+            Intrinsic::OccludedBicubic => give(out, &trace(Surface::Bicubic)[..1]),
+            Intrinsic::OccludedSubdivided => give(out, &trace(Surface::Subdivided(args[8]))[..1]),
             Intrinsic::OccludedTriangulated => give(out, &trace(Surface::Triangulated)[..1]),
             Intrinsic::OccludedBilinear => give(out, &trace(Surface::Bilinear)[..1]),
             Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
@@ -229,13 +244,17 @@ fn evaluate<H: Heights>(
             floats(out, &surface::gradient_bilinear(scene, heights, arg(0), arg(1)));
         }
         Intrinsic::TwistBilinear => floats(out, &[surface::twist_bilinear(scene, heights, arg(0), arg(1))]),
-        Intrinsic::TraceTriangulated => found(out, walk::trace::<H, Triangulated>(scene, heights, &ray())),
-        Intrinsic::TraceBilinear => found(out, walk::trace::<H, Bilinear>(scene, heights, &ray())),
-        Intrinsic::OccludedTriangulated => {
-            out[0] = u32::from(walk::trace::<H, Triangulated>(scene, heights, &ray()).is_some());
+        Intrinsic::TraceTriangulated => found(out, walk::trace(scene, heights, Triangulated, &ray())),
+        Intrinsic::TraceBilinear => found(out, walk::trace(scene, heights, Bilinear, &ray())),
+        Intrinsic::TraceBicubic => found(out, walk::trace(scene, heights, Bicubic, &ray())),
+        Intrinsic::TraceSubdivided => {
+            found(out, walk::trace(scene, heights, Subdivided { parts: arg(8) }, &ray()))
         }
-        Intrinsic::OccludedBilinear => {
-            out[0] = u32::from(walk::trace::<H, Bilinear>(scene, heights, &ray()).is_some());
+        Intrinsic::OccludedTriangulated => any(out, walk::trace(scene, heights, Triangulated, &ray())),
+        Intrinsic::OccludedBilinear => any(out, walk::trace(scene, heights, Bilinear, &ray())),
+        Intrinsic::OccludedBicubic => any(out, walk::trace(scene, heights, Bicubic, &ray())),
+        Intrinsic::OccludedSubdivided => {
+            any(out, walk::trace(scene, heights, Subdivided { parts: arg(8) }, &ray()))
         }
         Intrinsic::Highest => floats(out, &[range::highest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Lowest => floats(out, &[range::lowest(scene, heights, &[0, 1, 2, 3].map(arg))]),
@@ -265,6 +284,10 @@ fn floats(out: &mut [u32], values: &[f32]) {
 fn found(out: &mut [u32], distance: Option<f32>) {
     out[0] = u32::from(distance.is_some());
     out[1] = distance.unwrap_or(0.0).to_bits();
+}
+
+fn any(out: &mut [u32], distance: Option<f32>) {
+    out[0] = u32::from(distance.is_some());
 }
 
 /// Cosine and sine of a part of a full turn.

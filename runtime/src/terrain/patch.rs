@@ -2,6 +2,15 @@
 //! s with f <= 0, so a ray that comes in under the surface hits at once: nothing slips between neighbouring cells.
 //! Twin of `shaders/terrain/patch_*.wgsl`.
 
+mod curved;
+mod sextic;
+
+pub(super) use curved::{Bicubic, Subdivided};
+
+use super::field::VOID_F32;
+use super::layout::SceneUniform;
+use super::walk::Heights;
+
 /// Raw heights of a cell's corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corners {
@@ -12,6 +21,17 @@ pub(super) struct Corners {
 }
 
 impl Corners {
+    pub fn new<H: Heights>(scene: &SceneUniform, heights: &H, cell: [i32; 2]) -> Corners {
+        let width = scene.size[0] as usize;
+        let at = cell[1] as usize * width + cell[0] as usize;
+        Corners {
+            sw: heights.sample(at),
+            se: heights.sample(at + 1),
+            nw: heights.sample(at + width),
+            ne: heights.sample(at + width + 1),
+        }
+    }
+
     pub fn lowest(&self) -> f32 {
         self.sw.min(self.se).min(self.nw.min(self.ne))
     }
@@ -44,28 +64,78 @@ pub(super) struct Way {
     pub length: f32,
 }
 
-/// How a cell is interpolated.
-pub(super) trait Patch {
+/// How heights between a cell's corners are interpolated.
+pub(super) trait Interpolation {
     fn height(corners: &Corners, u: f32, v: f32) -> f32;
-    /// Height over the surface at the way's entry, and its change by s; the way is seen from one of the corners, which is in
-    /// the east, in the north.
-    fn over(corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2];
-    /// Metres of s behind the entry, negative for a miss.
-    fn intersect(corners: &Corners, way: &Way) -> f32;
+}
+
+/// A surface that a walk can meet, cell by cell.
+pub(super) trait Patch {
+    /// What a cell's surface is made of.
+    type Samples;
+    /// By which part of the field's relief it may rise above the highest sample.
+    const OVERSHOOT: f32;
+    /// Rounding of its heights, as a part of the relief of the cell's samples.
+    const ROUNDED: f32;
+
+    /// None if the cell touches a void.
+    fn samples<H: Heights>(&self, scene: &SceneUniform, heights: &H, cell: [i32; 2])
+    -> Option<Self::Samples>;
+    /// Upper bound over a node of the pyramid.
+    fn bound<H: Heights>(heights: &H, index: usize) -> f32;
+    /// Bounds over the cell.
+    fn range(samples: &Self::Samples) -> [f32; 2];
+    /// Height of a corner: in the east, in the north.
+    fn corner(samples: &Self::Samples, at: [bool; 2]) -> f32;
+    /// Height over the surface at the way's entry, and its change by s; the way is seen from one of the corners.
+    fn over(&self, samples: &Self::Samples, way: &Way, from: [bool; 2]) -> [f32; 2];
+    /// Metres of s behind the entry, negative for a miss; the way is seen from the south-western corner.
+    fn intersect(&self, samples: &Self::Samples, way: &Way) -> f32;
+}
+
+/// The part of [`Patch`] that surfaces share which depend on the corners alone.
+macro_rules! corners {
+    () => {
+        type Samples = Corners;
+        const OVERSHOOT: f32 = 0.0;
+        const ROUNDED: f32 = 2.4e-7;
+
+        fn samples<H: Heights>(&self, scene: &SceneUniform, heights: &H, cell: [i32; 2]) -> Option<Corners> {
+            let corners = Corners::new(scene, heights, cell);
+            (corners.lowest() != VOID_F32).then_some(corners)
+        }
+
+        fn bound<H: Heights>(heights: &H, index: usize) -> f32 {
+            heights.bound(index)
+        }
+
+        fn range(corners: &Corners) -> [f32; 2] {
+            [corners.lowest(), corners.highest()]
+        }
+
+        fn corner(corners: &Corners, at: [bool; 2]) -> f32 {
+            corners.at(at)
+        }
+    };
 }
 
 pub(super) const MISS: f32 = -1.0;
 
+#[derive(Clone, Copy)]
 pub(super) struct Bilinear;
 
-impl Patch for Bilinear {
+impl Interpolation for Bilinear {
     fn height(c: &Corners, u: f32, v: f32) -> f32 {
         let south = c.sw * (1.0 - u) + c.se * u;
         let north = c.nw * (1.0 - u) + c.ne * u;
         south * (1.0 - v) + north * v
     }
+}
 
-    fn over(corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2] {
+impl Patch for Bilinear {
+    corners!();
+
+    fn over(&self, corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2] {
         let [south_edge, north_edge] = [corners.se - corners.sw, corners.ne - corners.nw];
         let east = if from[1] { north_edge } else { south_edge };
         let north = if from[0] { corners.ne - corners.se } else { corners.nw - corners.sw };
@@ -76,8 +146,8 @@ impl Patch for Bilinear {
         ]
     }
 
-    fn intersect(corners: &Corners, way: &Way) -> f32 {
-        let [f_in, b] = Bilinear::over(corners, way, [false; 2]);
+    fn intersect(&self, corners: &Corners, way: &Way) -> f32 {
+        let [f_in, b] = self.over(corners, way, [false; 2]);
         if f_in <= 0.0 {
             return 0.0;
         }
@@ -101,6 +171,7 @@ impl Patch for Bilinear {
 }
 
 /// Split along the diagonal from the north-east to the south-west corner.
+#[derive(Clone, Copy)]
 pub(super) struct Triangulated;
 
 impl Triangulated {
@@ -114,7 +185,7 @@ impl Triangulated {
     }
 }
 
-impl Patch for Triangulated {
+impl Interpolation for Triangulated {
     fn height(c: &Corners, u: f32, v: f32) -> f32 {
         if u >= v {
             c.sw * (1.0 - u) + c.se * (u - v) + c.ne * v
@@ -122,14 +193,18 @@ impl Patch for Triangulated {
             c.sw * (1.0 - v) + c.nw * (v - u) + c.ne * u
         }
     }
+}
 
-    fn over(corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2] {
+impl Patch for Triangulated {
+    corners!();
+
+    fn over(&self, corners: &Corners, way: &Way, from: [bool; 2]) -> [f32; 2] {
         let [first, _] = Triangulated::halves(corners, way, way.u - way.v + aside(from));
         [way.z - (first[0] * way.u + first[1] * way.v), way.dz - first[0] * way.du - first[1] * way.dv]
     }
 
-    fn intersect(corners: &Corners, way: &Way) -> f32 {
-        let [f_in, b] = Triangulated::over(corners, way, [false; 2]);
+    fn intersect(&self, corners: &Corners, way: &Way) -> f32 {
+        let [f_in, b] = self.over(corners, way, [false; 2]);
         if f_in <= 0.0 {
             return 0.0;
         }

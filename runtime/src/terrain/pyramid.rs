@@ -3,9 +3,13 @@
 //! takes 2/3 of a byte per sample.
 //!
 //! A void is below every height. So an upper bound is that of the samples that are there, and "void" where none is;
-//! a lower bound is "void" where one is missing. Both hold for every sampler, also near holes.
+//! a lower bound is "void" where one is missing. Both hold for every sampler that is no higher than the samples around, also near holes.
+//! The bicubic surface, which is, has upper bounds of its own.
 
+use super::bicubic::Around;
 use super::field::{Samples, Terrain, VOID_F32, VOID_I16};
+use super::scene::pack;
+use rayon::prelude::*;
 
 /// Enough for fields 2^17 samples wide.
 pub const MAX_LEVELS: usize = 18;
@@ -23,6 +27,18 @@ pub struct Level {
 pub enum Bounds {
     I16(Vec<i16>),
     F32(Vec<f32>),
+}
+
+impl Bounds {
+    /// None of them if they are floats.
+    pub fn i16s(&self) -> &[i16] {
+        if let Bounds::I16(bounds) = self { bounds } else { &[] }
+    }
+
+    /// None of them if they are integers.
+    pub fn f32s(&self) -> &[f32] {
+        if let Bounds::F32(bounds) = self { bounds } else { &[] }
+    }
 }
 
 /// Which side a pyramid bounds.
@@ -56,17 +72,72 @@ pub fn levels(width: u32, height: u32) -> (Vec<Level>, u32) {
 
 impl Pyramid {
     pub fn new(terrain: &Terrain, side: Side) -> Pyramid {
-        let (levels, nodes) = levels(terrain.width, terrain.height);
-        let bounds = match &terrain.samples {
-            Samples::I16(data) => Bounds::I16(build(data, terrain.width, &levels, nodes, side, VOID_I16)),
-            Samples::F32(data) => Bounds::F32(build(data, terrain.width, &levels, nodes, side, VOID_F32)),
+        let outer = side == Side::Above;
+        match &terrain.samples {
+            Samples::I16(data) => Pyramid::i16s(terrain, outer, corner(data, terrain.width, outer)),
+            Samples::F32(data) => Pyramid::f32s(terrain, outer, corner(data, terrain.width, outer)),
+        }
+    }
+
+    /// Upper bounds of the bicubic surface, and of what lies between its points; void where all cells touch a void. In 16 bits the
+    /// highest number stands for all above it.
+    pub fn crests(terrain: &Terrain) -> Pyramid {
+        let size = [terrain.width, terrain.height];
+        let crest = |sample: &dyn Fn(u32, u32) -> f32, cell: [u32; 2]| {
+            let around = Around::of(size, sample, cell)?;
+            let [low, high] = around.range();
+            // More than rounding can cost.
+            Some((around.base, around.crest() + 1e-6 * (high - low)))
         };
+        let at = |i: u32, j: u32| (j * terrain.width + i) as usize;
+        match &terrain.samples {
+            Samples::I16(data) => {
+                let sample = |i: u32, j: u32| match data[at(i, j)] {
+                    VOID_I16 => VOID_F32,
+                    raw => f32::from(raw),
+                };
+                let leaf = |i: u32, j: u32| {
+                    crest(&sample, [i, j]).map_or(VOID_I16, |(base, over)| (base + over.ceil()) as i16)
+                };
+                Pyramid::i16s(terrain, true, leaf)
+            }
+            Samples::F32(data) => {
+                let leaf = |i: u32, j: u32| {
+                    let raised = |(base, over): (f32, f32)| (base + over) + 1.2e-7 * (base + over).abs();
+                    crest(&|i, j| data[at(i, j)], [i, j]).map_or(VOID_F32, raised)
+                };
+                Pyramid::f32s(terrain, true, leaf)
+            }
+        }
+    }
+
+    fn i16s(terrain: &Terrain, upper: bool, leaf: impl Fn(u32, u32) -> i16 + Sync) -> Pyramid {
+        let (levels, nodes) = levels(terrain.width, terrain.height);
+        let bounds = Bounds::I16(build(&levels, nodes, VOID_I16, upper, leaf));
+        Pyramid { levels, bounds }
+    }
+
+    fn f32s(terrain: &Terrain, upper: bool, leaf: impl Fn(u32, u32) -> f32 + Sync) -> Pyramid {
+        let (levels, nodes) = levels(terrain.width, terrain.height);
+        let bounds = Bounds::F32(build(&levels, nodes, VOID_F32, upper, leaf));
         Pyramid { levels, bounds }
     }
 
     /// The level that is one node.
     pub fn top(&self) -> u32 {
         self.levels.len() as u32 - 1
+    }
+
+    /// Bounds as the shaders read them, at least one word.
+    pub fn words(&self) -> Vec<u32> {
+        let mut words = match &self.bounds {
+            Bounds::I16(data) => pack(data),
+            Bounds::F32(data) => data.iter().map(|v| v.to_bits()).collect(),
+        };
+        if words.is_empty() {
+            words.push(0);
+        }
+        words
     }
 
     /// Bytes of the stored bounds.
@@ -78,38 +149,51 @@ impl Pyramid {
     }
 }
 
-fn build<T: Copy + PartialOrd>(
+/// Of two bounds the outer one.
+fn outer<T: Copy + PartialOrd>(a: T, b: T, upper: bool) -> T {
+    if (b > a) == upper { b } else { a }
+}
+
+/// A cell's bound: that of its corners.
+fn corner<T: Copy + PartialOrd + Sync>(
     samples: &[T],
     width: u32,
-    levels: &[Level],
-    nodes: u32,
-    side: Side,
-    void: T,
-) -> Vec<T> {
-    let outer = |a: T, b: T| if (b > a) == (side == Side::Above) { b } else { a };
-    let cell = |i: u32, j: u32| {
+    upper: bool,
+) -> impl Fn(u32, u32) -> T + Sync {
+    move |i, j| {
         let at = j as usize * width as usize + i as usize;
         let north = at + width as usize;
-        outer(outer(samples[at], samples[at + 1]), outer(samples[north], samples[north + 1]))
-    };
+        let of = |a: usize| outer(samples[a], samples[a + 1], upper);
+        outer(of(at), of(north), upper)
+    }
+}
+
+/// Level by level, from the cells' bounds.
+fn build<T: Copy + PartialOrd + Send + Sync>(
+    levels: &[Level],
+    nodes: u32,
+    void: T,
+    upper: bool,
+    leaf: impl Fn(u32, u32) -> T + Sync,
+) -> Vec<T> {
     let mut bounds = vec![void; nodes as usize];
     for k in 1..levels.len() {
         let (below, level) = (levels[k - 1], levels[k]);
-        for y in 0..level.height {
-            for x in 0..level.width {
-                let child = |i: u32, j: u32| match k {
-                    1 => cell(i, j),
-                    _ => bounds[(below.offset + j * below.width + i) as usize],
-                };
-                let mut bound = child(2 * x, 2 * y);
-                for j in 2 * y..(2 * y + 2).min(below.height) {
-                    for i in 2 * x..(2 * x + 2).min(below.width) {
-                        bound = outer(bound, child(i, j));
-                    }
-                }
-                bounds[(level.offset + y * level.width + x) as usize] = bound;
+        let (done, open) = bounds.split_at_mut(level.offset as usize);
+        let child = |i: u32, j: u32| match k {
+            1 => leaf(i, j),
+            _ => done[(below.offset + j * below.width + i) as usize],
+        };
+        let width = level.width as usize;
+        let rows = open[..width * level.height as usize].par_chunks_mut(width).enumerate();
+        rows.for_each(|(y, row)| {
+            for (x, node) in row.iter_mut().enumerate() {
+                let [x, y] = [2 * x as u32, 2 * y as u32];
+                let columns = x..(x + 2).min(below.width);
+                let all = (y..(y + 2).min(below.height)).flat_map(|j| columns.clone().map(move |i| (i, j)));
+                *node = all.map(|(i, j)| child(i, j)).reduce(|a, b| outer(a, b, upper)).unwrap_or(void);
             }
-        }
+        });
     }
     bounds
 }
@@ -154,6 +238,73 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Places of each cell against the bound of each node over it.
+    #[test]
+    fn the_bicubic_surface_stays_below_its_crests() {
+        let mut state = 11u32;
+        let mut heights = |count: u32, whole: bool| -> Vec<f32> {
+            let mut next = || {
+                state = state.wrapping_mul(747796405).wrapping_add(2891336453);
+                if state >> 28 == 0 {
+                    f32::NAN
+                } else {
+                    (state >> 16) as f32 * if whole { 1.0 } else { 0.37 } - 33000.0
+                }
+            };
+            (0..count).map(|_| next()).collect()
+        };
+        let field = |w, h, z| Terrain::from_heights(w, h, [1.0, 1.0], z).unwrap();
+        let mut fields = vec![field(9, 9, vec![5.0; 81])];
+        for (w, h) in [(2, 2), (3, 9), (17, 12)] {
+            let random = heights(w * h, false);
+            fields.push(field(w, h, random));
+            // 16 bits, up to the highest number.
+            let samples = heights(w * h, true)
+                .into_iter()
+                .map(|z| if z.is_nan() { VOID_I16 } else { z.clamp(-32767.0, 32767.0) as i16 });
+            let mut terrain = field(w, h, vec![0.0; (w * h) as usize]);
+            terrain.samples = Samples::I16(samples.collect());
+            fields.push(terrain);
+        }
+        for terrain in fields {
+            let pyramid = Pyramid::crests(&terrain);
+            let bound = |k: usize, x: u32, y: u32| {
+                let level = pyramid.levels[k];
+                let at = (level.offset + y * level.width + x) as usize;
+                match &pyramid.bounds {
+                    Bounds::F32(bounds) => bounds[at],
+                    Bounds::I16(bounds) if bounds[at] == i16::MAX => f32::MAX,
+                    Bounds::I16(bounds) => f32::from(bounds[at]),
+                }
+            };
+            let sample = |i: u32, j: u32| match &terrain.samples {
+                Samples::F32(data) => data[(j * terrain.width + i) as usize],
+                Samples::I16(data) => match data[(j * terrain.width + i) as usize] {
+                    VOID_I16 => VOID_F32,
+                    raw => f32::from(raw),
+                },
+            };
+            let mut closest = f32::MAX;
+            for (j, i) in (0..terrain.height - 1).flat_map(|j| (0..terrain.width - 1).map(move |i| (j, i))) {
+                let Some(around) = Around::of([terrain.width, terrain.height], sample, [i, j]) else {
+                    continue;
+                };
+                for (v, u) in (0..=8).flat_map(|v| (0..=8).map(move |u| (v, u))) {
+                    let [u, v] = [u, v].map(|at| super::super::bicubic::weights(at as f32 / 8.0));
+                    let z = around.base + around.blend(u, v);
+                    for k in 1..pyramid.levels.len() {
+                        assert!(z <= bound(k, i >> k, j >> k), "{z} above level {k} at {i} {j}");
+                    }
+                    closest = closest.min(bound(1.min(pyramid.levels.len() - 1), i >> 1, j >> 1) - z);
+                }
+            }
+            assert!(
+                pyramid.levels.len() == 1 || closest < 20_000.0,
+                "a bound that is far above all: {closest}"
+            );
         }
     }
 

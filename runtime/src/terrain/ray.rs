@@ -53,8 +53,8 @@ pub(super) struct GridRay {
     pub last: bool,
 }
 
-/// Clips the ray to the field's box; none if it misses it or is not a ray at all.
-pub(super) fn enter(scene: &SceneUniform, ray: &WorldRay<f32>) -> Option<GridRay> {
+/// Clips the ray to the field's box, whose top is raised by a part of the relief; none if it misses it or is not a ray at all.
+pub(super) fn enter(scene: &SceneUniform, ray: &WorldRay<f32>, overshoot: f32) -> Option<GridRay> {
     let [ox, oy, oz] = ray.origin;
     let [dx, dy, dz] = ray.dir;
     if ![ox, oy, oz, dx, dy, dz].iter().all(|x| x.is_finite()) || ray.near.is_nan() || ray.far.is_nan() {
@@ -94,8 +94,9 @@ pub(super) fn enter(scene: &SceneUniform, ray: &WorldRay<f32>) -> Option<GridRay
         to = to.min(a.max(b) + slack);
     }
 
-    // Above the highest sample nothing can be hit.
-    let (low, high) = (scene.raw_relief[0], scene.raw_relief[1]);
+    // Above the surface nothing can be hit.
+    let low = scene.raw_relief[0];
+    let high = scene.raw_relief[1] + overshoot * (scene.raw_relief[1] - low);
     let size = high.abs() + low.abs();
     let top = high + 1e-3 + 1e-5 * (high - low) + 1e-6 * size + 1e-6 * p[2].abs();
     let mut begin = near;

@@ -6,7 +6,7 @@ use super::layers::Layers;
 use super::layout::SceneUniform;
 use super::means::Means;
 use super::micro::Micro;
-use super::pyramid::{self, Bounds, MAX_LEVELS, Pyramid, Side};
+use super::pyramid::{self, MAX_LEVELS, Pyramid, Side};
 use super::sun::Sun;
 use super::view::{Camera, View};
 use std::sync::{Arc, OnceLock};
@@ -65,6 +65,7 @@ pub struct Scene {
 struct Derived {
     above: OnceLock<Pyramid>,
     below: OnceLock<Pyramid>,
+    crests: OnceLock<Pyramid>,
     /// The average mipmap as it is stored.
     means: OnceLock<Vec<u32>>,
     /// The same before it was rounded.
@@ -117,11 +118,16 @@ impl Scene {
         self.derived.below.get_or_init(|| Pyramid::new(&self.terrain, Side::Below))
     }
 
+    /// Upper bounds of the bicubic surface.
+    pub fn crests(&self) -> &Pyramid {
+        self.derived.crests.get_or_init(|| Pyramid::crests(&self.terrain))
+    }
+
     /// Bytes of what has been made of the samples on the host.
     pub fn derived_bytes(&self) -> u64 {
-        let Derived { above, below, means, .. } = &*self.derived;
-        let pyramids = [above, below].map(|p| p.get().map_or(0, Pyramid::bytes));
-        (pyramids[0] + pyramids[1] + 4 * means.get().map_or(0, Vec::len)) as u64
+        let Derived { above, below, crests, means, .. } = &*self.derived;
+        let pyramids = [above, below, crests].map(|p| p.get().map_or(0, Pyramid::bytes));
+        (pyramids.iter().sum::<usize>() + 4 * means.get().map_or(0, Vec::len)) as u64
     }
 
     /// The average mipmap as the shaders read it.
@@ -175,22 +181,6 @@ impl Scene {
             Samples::I16(data) => data.len().div_ceil(2) as u64,
             Samples::F32(data) => data.len() as u64,
         }
-    }
-
-    /// Bounds as the shaders read them, at least one word.
-    pub fn bound_words(&self, side: Side) -> Vec<u32> {
-        let pyramid = match side {
-            Side::Above => self.pyramid(),
-            Side::Below => self.floors(),
-        };
-        let mut words = match &pyramid.bounds {
-            Bounds::I16(data) => pack(data),
-            Bounds::F32(data) => data.iter().map(|v| v.to_bits()).collect(),
-        };
-        if words.is_empty() {
-            words.push(0);
-        }
-        words
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::field::VOID_F32;
 use super::layout::SceneUniform;
-use super::patch::{Corners, Patch};
+use super::patch::{Corners, Interpolation};
 use super::walk::Heights;
 
 /// A cell with the position in it.
@@ -20,14 +20,7 @@ pub(super) fn locate<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f
     let gy = (y * scene.inverse_spacing[1]).max(0.0).min(cells_y as f32);
     let i = (gx as u32).min(cells_x - 1);
     let j = (gy as u32).min(cells_y - 1);
-    let width = scene.size[0] as usize;
-    let at = j as usize * width + i as usize;
-    let mut corners = Corners {
-        sw: heights.sample(at),
-        se: heights.sample(at + 1),
-        nw: heights.sample(at + width),
-        ne: heights.sample(at + width + 1),
-    };
+    let mut corners = Corners::new(scene, heights, [i as i32, j as i32]);
     if corners.lowest() == VOID_F32 {
         let low = at_rim(scene, heights, [gx, gy]);
         corners = Corners { sw: low, se: low, nw: low, ne: low };
@@ -48,7 +41,7 @@ fn onto(w: f32) -> f32 {
     w * 1.000_000_2
 }
 
-pub(super) fn height<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> f32 {
+pub(super) fn height<H: Heights, P: Interpolation>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> f32 {
     let cell = locate(scene, heights, x, y);
     P::height(&cell.corners, cell.u, cell.v) * scene.z_scale + scene.z_offset
 }

@@ -6,7 +6,7 @@
 
 use super::field::{VOID_F32, VOID_I16};
 use super::layout::SceneUniform;
-use super::patch::{Corners, Patch, Way};
+use super::patch::{Patch, Way};
 use super::ray::{GridRay, WorldRay, enter, off_plane, onward, planes};
 use super::transforms::{high, sum};
 
@@ -16,18 +16,22 @@ pub(super) trait Heights {
     fn bound(&self, index: usize) -> f32;
     /// Of the minimum mipmap.
     fn floor(&self, index: usize) -> f32;
+    /// Of the bicubic surface's upper bounds.
+    fn crest(&self, index: usize) -> f32;
 }
 
 pub(super) struct Heights16<'a> {
     pub samples: &'a [i16],
     pub bounds: &'a [i16],
     pub floors: &'a [i16],
+    pub crests: &'a [i16],
 }
 
 pub(super) struct Heights32<'a> {
     pub samples: &'a [f32],
     pub bounds: &'a [f32],
     pub floors: &'a [f32],
+    pub crests: &'a [f32],
 }
 
 impl Heights for Heights16<'_> {
@@ -45,6 +49,12 @@ impl Heights for Heights16<'_> {
     #[inline]
     fn floor(&self, index: usize) -> f32 {
         raw16(self.floors[index])
+    }
+
+    /// The highest number stands for all above it.
+    #[inline]
+    fn crest(&self, index: usize) -> f32 {
+        if self.crests[index] == i16::MAX { f32::MAX } else { raw16(self.crests[index]) }
     }
 }
 
@@ -67,6 +77,11 @@ impl Heights for Heights32<'_> {
     #[inline]
     fn floor(&self, index: usize) -> f32 {
         self.floors[index]
+    }
+
+    #[inline]
+    fn crest(&self, index: usize) -> f32 {
+        self.crests[index]
     }
 }
 
@@ -91,20 +106,22 @@ impl Meter for u64 {
 pub(super) fn trace<H: Heights, P: Patch>(
     scene: &SceneUniform,
     heights: &H,
+    patch: P,
     ray: &WorldRay<f32>,
 ) -> Option<f32> {
-    metered::<H, P, ()>(scene, heights, ray, &mut ())
+    metered(scene, heights, patch, ray, &mut ())
 }
 
 /// The same, counted.
 pub(super) fn metered<H: Heights, P: Patch, M: Meter>(
     scene: &SceneUniform,
     heights: &H,
+    patch: P,
     ray: &WorldRay<f32>,
     meter: &mut M,
 ) -> Option<f32> {
-    let grid = enter(scene, ray)?;
-    let t = walk::<H, P, M>(scene, heights, grid, meter)?;
+    let grid = enter(scene, ray, P::OVERSHOOT)?;
+    let t = walk(scene, heights, &patch, grid, meter)?;
     Some(t.clamp(ray.near, ray.far))
 }
 
@@ -116,6 +133,7 @@ const FIRST: u32 = 2;
 fn walk<H: Heights, P: Patch, M: Meter>(
     scene: &SceneUniform,
     heights: &H,
+    patch: &P,
     ray: GridRay,
     meter: &mut M,
 ) -> Option<f32> {
@@ -151,7 +169,7 @@ fn walk<H: Heights, P: Patch, M: Meter>(
                 meter.count();
                 let z_out = ray.low + out * ray.d[2];
                 let [offset, width, _, _] = scene.levels[level as usize];
-                let bound = heights.bound((offset + node[1] as u32 * width + node[0] as u32) as usize);
+                let bound = P::bound(heights, (offset + node[1] as u32 * width + node[0] as u32) as usize);
                 if z.min(z_out) <= bound {
                     // Descend to the half of each axis that the ray is in at s.
                     level -= 1;
@@ -188,9 +206,9 @@ fn walk<H: Heights, P: Patch, M: Meter>(
             }
             meter.count();
             let z_out = ray.low + out * ray.d[2];
-            let found = cell::<H, P>(scene, heights, &ray, node, (s, out), (z, z_out));
+            let found = cell(scene, heights, patch, &ray, node, (s, out), (z, z_out));
             if let Some(met) = found {
-                return Some(settle::<H, P>(scene, heights, &ray, node, met));
+                return Some(settle(scene, heights, patch, &ray, node, met));
             }
             if out >= ray.end {
                 break;
@@ -222,33 +240,22 @@ fn walk<H: Heights, P: Patch, M: Meter>(
 fn cell<H: Heights, P: Patch>(
     scene: &SceneUniform,
     heights: &H,
+    patch: &P,
     ray: &GridRay,
     node: [i32; 2],
     (s, out): (f32, f32),
     (z, z_out): (f32, f32),
 ) -> Option<[f32; 2]> {
-    let corners = corners(scene, heights, node);
-    let highest = corners.highest();
-    if z.min(z_out) > highest || corners.lowest() == VOID_F32 {
+    let samples = patch.samples(scene, heights, node)?;
+    let [_, highest] = P::range(&samples);
+    if z.min(z_out) > highest {
         return None;
     }
     // From high above, begin where the cell's top is near.
     let s = (s + (z - highest).max(0.0) * ray.fall * 0.999999).min(out);
-    let way = reach(ray, node, corners.sw, s, ray.rest.map(|rest| s * rest), out - s);
-    let hit = P::intersect(&corners, &way);
+    let way = reach(ray, node, P::corner(&samples, [false; 2]), s, ray.rest.map(|rest| s * rest), out - s);
+    let hit = patch.intersect(&samples, &way);
     (hit >= 0.0).then_some([s, hit])
-}
-
-#[inline]
-fn corners<H: Heights>(scene: &SceneUniform, heights: &H, node: [i32; 2]) -> Corners {
-    let width = scene.size[0] as usize;
-    let at = node[1] as usize * width + node[0] as usize;
-    Corners {
-        sw: heights.sample(at),
-        se: heights.sample(at + 1),
-        nw: heights.sample(at + width),
-        ne: heights.sample(at + width + 1),
-    }
 }
 
 /// The way from s on, seen from a sample of that height: computed from the base without loss. `more` is what single precision leaves out of it.
@@ -284,19 +291,22 @@ fn reach(ray: &GridRay, at: [i32; 2], corner: f32, s: f32, more: [f32; 3], lengt
 fn settle<H: Heights, P: Patch>(
     scene: &SceneUniform,
     heights: &H,
+    patch: &P,
     ray: &GridRay,
     node: [i32; 2],
     [s, hit]: [f32; 2],
 ) -> f32 {
-    let corners = corners(scene, heights, node);
+    let Some(samples) = patch.samples(scene, heights, node) else { return ray.start + (s + hit) };
     let at = sum(s, hit);
     let more = [0, 1, 2].map(|axis| at[0] * ray.rest[axis] + at[1] * ray.d[axis]);
     let far =
         [0, 1].map(|axis| (ray.cell[axis] - node[axis]) as f32 + (at[0] * ray.d[axis] + ray.p[axis]) > 0.5);
     let corner = [0, 1].map(|axis| node[axis] + i32::from(far[axis]));
-    let [over, change] = P::over(&corners, &reach(ray, corner, corners.at(far), at[0], more, 0.0), far);
+    let way = reach(ray, corner, P::corner(&samples, far), at[0], more, 0.0);
+    let [over, change] = patch.over(&samples, &way, far);
+    let [lowest, highest] = P::range(&samples);
     let step = -over / change;
-    let rounded = over.abs() <= 2.4e-7 * (corners.highest() - corners.lowest());
+    let rounded = over.abs() <= P::ROUNDED * (highest - lowest);
     let most = if rounded { 1e-5 } else { 2e-6 } * ray.inverse[0].abs().min(ray.inverse[1].abs());
     let base = sum(ray.start, at[0]);
     let t = base[0] + (base[1] + at[1]);

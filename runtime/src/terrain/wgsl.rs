@@ -51,6 +51,9 @@ const PIECES: &[Piece] = pieces! {
     "floors" "floors" [];
     "floor.i16" "floors_i16" ["floors" "sample"];
     "floor.f32" "floors_f32" ["floors"];
+    "crests" "crests" [];
+    "crest.i16" "crests_i16" ["crests" "sample"];
+    "crest.f32" "crests_f32" ["crests"];
     "corners" "corners" ["scene" "sample"];
     "box" "box" ["scene"];
     "rim" "rim" ["scene" "sample"];
@@ -65,8 +68,17 @@ const PIECES: &[Piece] = pieces! {
     "height_triangulated" "height_triangulated" ["corners"];
     "patch_bilinear" "patch_bilinear" ["patch"];
     "patch_triangulated" "patch_triangulated" ["patch"];
-    "walk_bilinear" "walk" ["ray" "bound" "patch_bilinear"];
-    "walk_triangulated" "walk" ["ray" "bound" "patch_triangulated"];
+    "sextic" "sextic" ["patch"];
+    "patch_bicubic" "patch_bicubic" ["sextic" "neighbours"];
+    "patch_subdivided" "patch_subdivided" ["patch_bilinear" "part"];
+    "samples_bilinear" "samples_corners" ["corners" "bound"];
+    "samples_triangulated" "samples_corners" ["corners" "bound"];
+    "samples_bicubic" "samples_around" ["neighbours" "crest"];
+    "samples_subdivided" "samples_around" ["neighbours" "crest"];
+    "walk_bilinear" "walk" ["ray" "samples_bilinear" "patch_bilinear"];
+    "walk_triangulated" "walk" ["ray" "samples_triangulated" "patch_triangulated"];
+    "walk_bicubic" "walk" ["ray" "samples_bicubic" "patch_bicubic"];
+    "walk_subdivided" "walk" ["ray" "samples_subdivided" "patch_subdivided"];
     "extent" "extent" ["scene"];
     "texel" "texel" ["scene"];
     "relief" "relief" ["scene"];
@@ -80,7 +92,8 @@ const PIECES: &[Piece] = pieces! {
     "row.i16" "row_i16" ["scene" "sample"];
     "row.f32" "row_f32" ["scene" "sample"];
     "neighbours" "neighbours" ["scene" "row" "rim"];
-    "fine" "fine" ["neighbours"];
+    "part" "part" ["corners" "neighbours"];
+    "fine" "fine" ["part"];
     "bicubic" "bicubic" ["neighbours"];
     "gradient_bicubic" "gradient_bicubic" ["neighbours" "slope"];
     "bend_bicubic" "bend_bicubic" ["neighbours" "slope"];
@@ -90,6 +103,10 @@ const PIECES: &[Piece] = pieces! {
     "gradient_triangulated" "gradient_triangulated" ["cell" "onto" "slope"];
     "gradient_bilinear" "gradient_bilinear" ["cell" "onto" "slope"];
     "twist_bilinear" "twist_bilinear" ["cell" "onto" "slope"];
+    "trace_bicubic" "trace" ["walk_bicubic"];
+    "trace_subdivided" "trace_subdivided" ["walk_subdivided"];
+    "occluded_bicubic" "occluded" ["walk_bicubic"];
+    "occluded_subdivided" "occluded_subdivided" ["walk_subdivided"];
     "trace_triangulated" "trace" ["walk_triangulated"];
     "trace_bilinear" "trace" ["walk_bilinear"];
     "occluded_triangulated" "occluded" ["walk_triangulated"];
@@ -144,7 +161,7 @@ pub struct Uses {
     pub scene: bool,
     /// Binding 1, read-only storage: [`super::Scene::sample_words`].
     pub samples: bool,
-    /// Binding 2, read-only storage: [`super::Scene::bound_words`].
+    /// Binding 2, read-only storage: [`super::Scene::pyramid`].
     pub bounds: bool,
     /// Binding 3, read-only storage: [`super::Layers`].
     pub rasters: bool,
@@ -156,6 +173,8 @@ pub struct Uses {
     pub means: bool,
     /// Binding 7, read-only storage: the starts of [`super::Scene::beams`].
     pub beams: bool,
+    /// Binding 8, read-only storage: [`super::Scene::crests`], as `bounds`.
+    pub crests: bool,
 }
 
 /// Declarations of the given intrinsics and of all that they need, each once.
@@ -176,6 +195,7 @@ pub fn wgsl(intrinsics: &[Intrinsic], format: Format) -> Module {
         micro: uses("micro_row"),
         means: uses("means"),
         beams: uses("beam_start"),
+        crests: uses("crests"),
     };
     Module { uses, text }
 }
@@ -270,7 +290,8 @@ mod tests {
                     floors: true,
                     micro: true,
                     means: true,
-                    beams: true
+                    beams: true,
+                    crests: true
                 }
             );
             assert!(!module.text.contains("SURFACE"));

@@ -1,6 +1,6 @@
 //! The oracle's bicubic: the Catmull-Rom spline as a polynomial of its four samples, along rows, then across them.
 
-use super::Field;
+use super::{Corners, Field, meet_bilinear};
 
 impl Field<'_> {
     /// The bicubic surface's derivative of order (i, j) by x and y; order (0, 0) is the height.
@@ -44,7 +44,12 @@ impl Field<'_> {
         if self.corners(i, j).is_none() {
             return ([[self.at_rim(gx, gy); 4]; 4], u, v);
         }
-        // What is missing beyond the rim or in a hole is as the sample before it, first along columns, then along rows.
+        (self.around(i, j), u, v)
+    }
+
+    /// The 4 x 4 samples around a cell, rows from south to north. What is missing beyond the rim or in a hole is as the sample before
+    /// it, first along columns, then along rows.
+    pub(super) fn around(&self, i: u32, j: u32) -> [[f64; 4]; 4] {
         let known = |c: i64, r: i64| {
             let at = u32::try_from(c).ok().zip(u32::try_from(r).ok());
             at.and_then(|(c, r)| self.sample(c, r))
@@ -58,8 +63,115 @@ impl Field<'_> {
             let (far, near) = (i64::from(i) + a, i64::from(i) + inner(a));
             column(far, k).or_else(|| column(near, k)).unwrap_or(self.low)
         };
-        (std::array::from_fn(|k| std::array::from_fn(|a| cell(a as i64 - 1, k as i64 - 1))), u, v)
+        std::array::from_fn(|k| std::array::from_fn(|a| cell(a as i64 - 1, k as i64 - 1)))
     }
+}
+
+/// First share in [0, 1] of the way where z is on or under the bicubic patch: between the places where the height over it turns,
+/// which are those of its derivative.
+pub(super) fn meet_bicubic(rows: [[f64; 4]; 4], u: [f64; 2], v: [f64; 2], z: [f64; 2]) -> Option<f64> {
+    let base = rows[1][1];
+    let rows = rows.map(|row| row.map(|z| z - base));
+    let line = |ends: [f64; 2]| vec![ends[0], ends[1] - ends[0]];
+    let cubic = |of: [&Vec<f64>; 4], at: &Vec<f64>| {
+        let weight = |parts: [f64; 4]| {
+            of.iter()
+                .zip(parts)
+                .fold(vec![0.0], |sum, (p, part)| add(&sum, &p.iter().map(|c| c * part).collect::<Vec<_>>()))
+        };
+        let powers = [
+            weight([0.0, 1.0, 0.0, 0.0]),
+            weight([-0.5, 0.0, 0.5, 0.0]),
+            weight([1.0, -2.5, 2.0, -0.5]),
+            weight([-0.5, 1.5, -1.5, 0.5]),
+        ];
+        powers.iter().rev().fold(vec![0.0], |sum, p| add(&times(&sum, at), p))
+    };
+    let along = rows.map(|row| {
+        let constant = row.map(|z| vec![z]);
+        cubic([&constant[0], &constant[1], &constant[2], &constant[3]], &line(u))
+    });
+    let surface = cubic([&along[0], &along[1], &along[2], &along[3]], &line(v));
+    let over = add(&line(z.map(|z| z - base)), &surface.iter().map(|c| -c).collect::<Vec<_>>());
+    if value(&over, 0.0) <= 0.0 {
+        return Some(0.0);
+    }
+    let stops = turns(&over);
+    stops.windows(2).find(|pair| value(&over, pair[1]) <= 0.0).map(|pair| bisected(&over, pair[0], pair[1]))
+}
+
+/// The same of the surface that is bicubic at the points of an n x n split of the cell and bilinear between.
+pub(super) fn meet_subdivided(
+    rows: [[f64; 4]; 4],
+    n: f64,
+    u: [f64; 2],
+    v: [f64; 2],
+    z: [f64; 2],
+) -> Option<f64> {
+    let mut cuts = vec![0.0, 1.0];
+    for [a, b] in [u, v] {
+        let planes = (0..=n as u32).map(|k| (f64::from(k) / n - a) / (b - a));
+        cuts.extend(planes.filter(|share| *share > 0.0 && *share < 1.0));
+    }
+    cuts.sort_by(f64::total_cmp);
+    let between = |ends: [f64; 2], share: f64| ends[0] + share * (ends[1] - ends[0]);
+    cuts.windows(2).find_map(|pair| {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let part = |ends: [f64; 2]| (between(ends, middle) * n).floor().clamp(0.0, n - 1.0);
+        let (i, j) = (part(u), part(v));
+        let at = |i: f64, j: f64| spline(rows.map(|row| spline(row, i / n, 0)), j / n, 0);
+        let corners =
+            Corners { sw: at(i, j), se: at(i + 1.0, j), nw: at(i, j + 1.0), ne: at(i + 1.0, j + 1.0) };
+        let within = |ends: [f64; 2], k: f64| [0, 1].map(|end: usize| between(ends, pair[end]) * n - k);
+        let heights = [0, 1].map(|end: usize| between(z, pair[end]));
+        let share = meet_bilinear(&corners, within(u, i), within(v, j), heights)?;
+        Some(pair[0] + share * (pair[1] - pair[0]))
+    })
+}
+
+fn value(p: &[f64], x: f64) -> f64 {
+    p.iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+fn add(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let at = |p: &[f64], k: usize| p.get(k).copied().unwrap_or(0.0);
+    (0..a.len().max(b.len())).map(|k| at(a, k) + at(b, k)).collect()
+}
+
+fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        for (j, y) in b.iter().enumerate() {
+            product[i + j] += x * y;
+        }
+    }
+    product
+}
+
+/// 0, 1 and the places between where the polynomial turns: it is monotone from one to the next.
+fn turns(p: &[f64]) -> Vec<f64> {
+    if p.len() <= 2 {
+        return vec![0.0, 1.0];
+    }
+    let slope: Vec<f64> = p.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c).collect();
+    let inner = turns(&slope);
+    let crossings =
+        inner.windows(2).filter(|pair| (value(&slope, pair[0]) > 0.0) != (value(&slope, pair[1]) > 0.0));
+    let mut stops = vec![0.0];
+    stops.extend(crossings.map(|pair| bisected(&slope, pair[0], pair[1])));
+    stops.push(1.0);
+    stops
+}
+
+/// Where the sign changes between two places.
+fn bisected(p: &[f64], a: f64, b: f64) -> f64 {
+    let positive = value(p, a) > 0.0;
+    let (mut a, mut b) = (a, b);
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        if (value(p, middle) > 0.0) == positive { a = middle } else { b = middle }
+    }
+    b
 }
 
 /// The spline through samples at -1, 0, 1 and 2, or its derivative of an order, at t.

@@ -71,6 +71,8 @@ intrinsics! {
     // Bounds of every sample over a box: (x0, y0, x1, y1) -> z.
     Highest "highest" (F32, F32, F32, F32) -> (F32) 40;
     Lowest "lowest" (F32, F32, F32, F32) -> (F32) 40;
+    // Upper bound of the bicubic surface over a box, and of what lies between its points.
+    Crest "crest" (F32, F32, F32, F32) -> (F32) 40;
     // Texels (i - 1, j) to (i + 2, j) of the micro-heightfield, in [-1, 1]: (i, j), whole.
     MicroRow "micro_row" (F32, F32) -> (F32, F32, F32, F32) 40;
     // Means (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1) of squares of 2^level x 2^level samples: (level, i, j), whole.
@@ -78,6 +80,9 @@ intrinsics! {
     // Least and greatest slope between neighbouring samples of a box's cells: by x, by y. What more than 4 x 4 cells have is
     // bounded by the field's relief.
     Inclines "inclines" (F32, F32, F32, F32) -> (F32, F32, F32, F32) 80;
+    // Bounds of the bicubic surface's slopes over a box within a cell: by x, by y. Over a wider one they are those that the field's
+    // relief allows.
+    InclinesBicubic "inclines_bicubic" (F32, F32, F32, F32) -> (F32, F32, F32, F32) 120;
     // Whether the cell at (x, y) touches a missing sample: rays pass through it.
     Hole "hole" (F32, F32) -> (Bool) 20;
     // Whether a cell that a box touches does, or may: of more than 4 x 4 cells it is not looked up.

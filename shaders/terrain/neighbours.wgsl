@@ -38,13 +38,26 @@ fn terrain_around(i: u32, j: u32) -> TerrainAround {
     return TerrainAround(a - base, terrain_repaired(b) - base, terrain_repaired(c) - base, d - base, b.y);
 }
 
+// The samples that were looked up last: a search evaluates its surface many times in one cell.
+var<private> terrain_kept: TerrainAround;
+var<private> terrain_kept_cell: vec2<u32> = vec2<u32>(0xffffffffu);
+
+fn terrain_around_kept(i: u32, j: u32) -> TerrainAround {
+    let cell = vec2<u32>(i, j);
+    if any(cell != terrain_kept_cell) {
+        terrain_kept = terrain_around(i, j);
+        terrain_kept_cell = cell;
+    }
+    return terrain_kept;
+}
+
 fn terrain_neighbours(x: f32, y: f32) -> TerrainNeighbours {
     let cells = terrain_scene.size - vec2<u32>(1u);
     let gx = min(max(x * terrain_scene.inverse_spacing.x, 0.0), f32(cells.x));
     let gy = min(max(y * terrain_scene.inverse_spacing.y, 0.0), f32(cells.y));
     let i = min(u32(gx), cells.x - 1u);
     let j = min(u32(gy), cells.y - 1u);
-    var around = terrain_around(i, j);
+    var around = terrain_around_kept(i, j);
     if around.base == TERRAIN_VOID {
         around.base = terrain_at_rim(gx, gy);
         return TerrainNeighbours(around, 0.0, 0.0);

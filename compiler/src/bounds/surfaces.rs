@@ -90,8 +90,9 @@ pub(super) fn enclose(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) -> 
         Bilinear | Triangulated => vec![samples(e, args)],
         Nearest => vec![nearest(e, args)],
         Bicubic | Subdivided => vec![around(e, args)],
-        GradientBilinear | GradientTriangulated => slopes(e, args),
-        GradientBicubic | GradientSubdivided => slopes_around(e, args),
+        GradientBilinear | GradientTriangulated => slopes(e, args, Inclines),
+        // Between the points of the subdivided surface they are means of the bicubic one's.
+        GradientBicubic | GradientSubdivided => slopes(e, args, InclinesBicubic),
         MicroRow => {
             steps(e, intrinsic, args, |_| Interval::new(number(-1.0), number(1.0), Range::new(-1.0, 1.0)))
         }
@@ -175,13 +176,13 @@ fn nearest(e: &mut Emit, args: &[Interval]) -> Interval {
     found
 }
 
-/// Slopes between neighbouring samples, of which a patch's slopes are means.
-fn slopes(e: &mut Emit, args: &[Interval]) -> Vec<Interval> {
+/// Slopes of which a patch's slopes are means: by x, by y.
+fn slopes(e: &mut Emit, args: &[Interval], intrinsic: Intrinsic) -> Vec<Interval> {
     let Some(ends) = ends(args) else {
         let all = e.endless("a slope far from the field", "clamp(.., lo, hi)");
         return vec![all.clone(), all];
     };
-    let found = ask(e, Intrinsic::Inclines, ends.to_vec());
+    let found = ask(e, intrinsic, ends.to_vec());
     let mut axis = |lo: usize| {
         let range = Interval::new(found[lo], found[lo + 1], Range::ANY);
         e.widen(range, 4.0 * ROUNDED, 0.0)
@@ -214,20 +215,15 @@ fn overshoot(e: &mut Emit, i: Interval, share: f32) -> Interval {
 /// both axes to 25/16, of which 9/32 are below 0. A patch passes its samples by no more of their spread. The subdivided
 /// surface is a mean of such heights.
 const OVERSHOOT: f32 = 9.0 / 32.0;
-/// A slope is a sum of the steps between neighbours; along its axis the weights below 0 add up to at most 1/4, so the sizes
-/// of all to 3/2 times 5/4, of which 7/16 are below 0.
-const STEEPER: f32 = 7.0 / 16.0;
 
 fn around(e: &mut Emit, args: &[Interval]) -> Interval {
     let ring = ring(e, args);
     let found = samples(e, &ring);
-    overshoot(e, found, OVERSHOOT)
-}
-
-fn slopes_around(e: &mut Emit, args: &[Interval]) -> Vec<Interval> {
-    let ring = ring(e, args);
-    let found = slopes(e, &ring);
-    found.into_iter().map(|i| overshoot(e, i, STEEPER)).collect()
+    let found = overshoot(e, found, OVERSHOOT);
+    let Some(ends) = ends(args) else { return found };
+    let hi = ask(e, Intrinsic::Crest, ends.to_vec())[0];
+    let crest = e.widen(Interval { hi: Some(hi), ..found.clone() }, 4.0 * ROUNDED, 0.0);
+    Interval { hi: crest.hi, ..found }
 }
 
 /// What changes in steps: as it is where no operand moves, else anything that it can be.

@@ -27,7 +27,7 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         Nearest | TwistBilinear | TwistSubdivided | GradientTriangulated => Jacobian::Flat,
         OccludedTriangulated | OccludedBilinear | OccludedBicubic | OccludedSubdivided => Jacobian::Flat,
         Hole | Holed | MicroRow | Means => Jacobian::Flat,
-        Highest | Lowest | Inclines | BendBicubic => Jacobian::Unknown,
+        Highest | Lowest | Crest | Inclines | InclinesBicubic | BendBicubic => Jacobian::Unknown,
         TraceTriangulated | TraceBilinear | TraceBicubic | TraceSubdivided | Camera | BeamStart | Place => {
             Jacobian::Unknown
         }

@@ -68,6 +68,13 @@ impl Around {
         all.fold([f32::MAX, f32::MIN], |[low, high], z| [low.min(*z), high.max(*z)])
     }
 
+    /// Least and greatest slope over the cell by x, by y, raw units a cell.
+    pub fn inclines(&self) -> [[f32; 2]; 2] {
+        let rows = &self.rows;
+        let columns = [0, 1, 2, 3].map(|k| [rows[0][k], rows[1][k], rows[2][k], rows[3][k]]);
+        [hull(self.rows), hull(columns)]
+    }
+
     /// What the surface over the cell does not pass, less `base`: the highest of the patch's Bezier points.
     pub fn crest(&self) -> f32 {
         let row = |[a, b, c, d]: [f32; 4]| [b, b + (c - a) * SIXTH, c - (d - b) * SIXTH, c];
@@ -75,6 +82,27 @@ impl Around {
         let points = [0, 1, 2, 3].map(|k| row([rows[0][k], rows[1][k], rows[2][k], rows[3][k]]));
         points.as_flattened().iter().copied().fold(f32::MIN, f32::max)
     }
+}
+
+/// Differences of a cubic's Bezier points between the second and the third of four samples.
+fn steps([a, b, c, d]: [f32; 4]) -> [f32; 3] {
+    let (first, third) = ((c - a) * SIXTH, (d - b) * SIXTH);
+    [first, (c - b) - (first + third), third]
+}
+
+/// Least and greatest slope along the rows of a patch, by the cell.
+fn hull(rows: [[f32; 4]; 4]) -> [f32; 2] {
+    let along = rows.map(steps);
+    let mut found = [f32::MAX, f32::MIN];
+    for k in 0..3 {
+        let across = [along[0][k], along[1][k], along[2][k], along[3][k]];
+        let [first, second, _] = steps(across);
+        let b = across[1] + first;
+        for z in [across[1], b, b + second, across[2]] {
+            found = [found[0].min(z), found[1].max(z)];
+        }
+    }
+    found.map(|step| 3.0 * step)
 }
 
 const SIXTH: f32 = 1.0 / 6.0;

@@ -139,6 +139,25 @@ impl<'a> Field<'a> {
         found
     }
 
+    /// The same box with a cell on each side.
+    fn ring(&self, ends: &[f64]) -> [f64; 4] {
+        let [dx, dy] = self.spacing;
+        [ends[0] - dx, ends[1] - dy, ends[2] + dx, ends[3] + dy]
+    }
+
+    /// What the bicubic surface does not pass over a box: weights below 0 add up to at most 9/32.
+    pub fn crest(&self, ends: &[f64]) -> f64 {
+        let [low, high] = self.bounds(&self.ring(ends));
+        high + 9.0 / 32.0 * (high - low)
+    }
+
+    /// Bounds of its slopes: sums of steps with weights of which those below 0 add up to at most 7/16.
+    pub fn inclines_bicubic(&self, ends: &[f64]) -> [f64; 4] {
+        let [x0, x1, y0, y1] = self.inclines(&self.ring(ends));
+        let [x, y] = [x1 - x0, y1 - y0].map(|between| 7.0 / 16.0 * between);
+        [x0 - x, x1 + x, y0 - y, y1 + y]
+    }
+
     /// Whether a cell that a box touches has a void among its corners.
     pub fn holed(&self, ends: &[f64]) -> bool {
         let grid = |axis: usize, w: f64| (w / self.spacing[axis]).max(0.0).min(self.cells()[axis]);

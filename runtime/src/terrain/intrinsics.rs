@@ -22,6 +22,7 @@ const CURVED: &[Intrinsic] = &[
     Intrinsic::TraceSubdivided,
     Intrinsic::OccludedBicubic,
     Intrinsic::OccludedSubdivided,
+    Intrinsic::Crest,
 ];
 
 impl World for Scene {
@@ -168,7 +169,9 @@ impl Scene {
             Intrinsic::OccludedBilinear => give(out, &trace(Surface::Bilinear)[..1]),
             Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
             Intrinsic::Lowest => give(out, &[field.bounds(args)[0]]),
+            Intrinsic::Crest => give(out, &[field.crest(args)]),
             Intrinsic::Inclines => give(out, &field.inclines(args)),
+            Intrinsic::InclinesBicubic => give(out, &field.inclines_bicubic(args)),
             Intrinsic::Hole => {
                 give(out, &[f64::from(u8::from(field.holed(&[args[0], args[1], args[0], args[1]])))])
             }
@@ -258,6 +261,10 @@ fn evaluate<H: Heights>(
         }
         Intrinsic::Highest => floats(out, &[range::highest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Lowest => floats(out, &[range::lowest(scene, heights, &[0, 1, 2, 3].map(arg))]),
+        Intrinsic::Crest => floats(out, &[range::crest(scene, heights, &[0, 1, 2, 3].map(arg))]),
+        Intrinsic::InclinesBicubic => {
+            floats(out, &range::inclines_bicubic(scene, heights, &[0, 1, 2, 3].map(arg)));
+        }
         Intrinsic::Inclines => floats(out, &range::inclines(scene, heights, &[0, 1, 2, 3].map(arg))),
         Intrinsic::Hole => out[0] = u32::from(range::holed(scene, heights, &[0, 1, 0, 1].map(arg))),
         Intrinsic::Holed => out[0] = u32::from(range::holed(scene, heights, &[0, 1, 2, 3].map(arg))),

@@ -1,6 +1,7 @@
 //! Bounds of the samplers over a box of ground. What is missing counts as the field's lowest height, as it does to the
-//! samplers. Twin of `shaders/terrain/box.wgsl`, `highest.wgsl`, `lowest.wgsl` and `hole.wgsl`.
+//! samplers. Twin of `shaders/terrain/box.wgsl`, `extreme.wgsl` and `hole.wgsl`.
 
+use super::bicubic::Around;
 use super::field::VOID_F32;
 use super::layout::SceneUniform;
 use super::walk::Heights;
@@ -57,6 +58,11 @@ pub(super) fn lowest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32;
     range(scene, ends, scene.raw_relief[0], |i| heights.floor(i), f32::min)
 }
 
+/// Of the bicubic surface, from above. In a field of one cell it passes no sample.
+pub(super) fn crest<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> f32 {
+    range(scene, ends, scene.raw_relief[1], |i| heights.crest(i), f32::max)
+}
+
 /// Steps from the first to the last cell of a box whose samples are looked at one by one.
 const MOST_STEPS: u32 = 3;
 
@@ -100,6 +106,42 @@ pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f3
         let size = scene.cells()[axis] as f32 * scene.spacing[axis];
         let outside = ends[axis] < 0.0 || ends[axis + 2] > size;
         let [least, most] = found[axis];
+        let (least, most) = if outside { (least.min(0.0), most.max(0.0)) } else { (least, most) };
+        [least * scale[axis], most * scale[axis]]
+    };
+    let ([x0, x1], [y0, y1]) = (axis(0), axis(1));
+    [x0, x1, y0, y1]
+}
+
+/// A slope is a sum of the steps between neighbours, whose weights below 0 add up to at most 7/16.
+const STEEPEST: f32 = 1.875;
+/// How far a box may leave its cell: a rounding beyond it slopes are the same, as they do not jump.
+const BESIDE: f32 = 0.01;
+
+/// Bounds of the bicubic surface's slopes over a box within a cell: by x, then by y, metres a metre. They are those of the patch's
+/// Bezier points. Over a wider box, and beside a void, they are those that the field's relief allows. Twin of
+/// `shaders/terrain/inclines_bicubic.wgsl`.
+pub(super) fn inclines_bicubic<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f32; 4]) -> [f32; 4] {
+    let cells = scene.cells();
+    let grid = |axis: usize, w: f32| (w * scene.inverse_spacing[axis]).max(0.0).min(cells[axis] as f32);
+    let (low, high) = ([0, 1].map(|a| grid(a, ends[a])), [0, 1].map(|a| grid(a, ends[a + 2])));
+    let cell = [0, 1].map(|a| ((0.5 * (low[a] + high[a])) as u32).min(cells[a] - 1));
+    let scale = scene.inverse_spacing.map(|inverse| scene.z_scale * inverse);
+    let within =
+        |a: usize| low[a] >= cell[a] as f32 - BESIDE && high[a] <= cell[a] as f32 + (1.0 + BESIDE);
+    let around = if within(0) && within(1) { Around::new(scene, heights, cell) } else { None };
+    let Some(around) = around else {
+        let most = scale.map(|s| STEEPEST * (scene.raw_relief[1] - scene.raw_relief[0]) * s);
+        return [-most[0], most[0], -most[1], most[1]];
+    };
+    let [least, greatest] = around.range();
+    let rounded = 1e-6 * (greatest - least);
+    let found = around.inclines();
+    let axis = |axis: usize| {
+        let size = cells[axis] as f32 * scene.spacing[axis];
+        // Beyond the rim surfaces are flat.
+        let outside = ends[axis] < 0.0 || ends[axis + 2] > size;
+        let [least, most] = [found[axis][0] - rounded, found[axis][1] + rounded];
         let (least, most) = if outside { (least.min(0.0), most.max(0.0)) } else { (least, most) };
         [least * scale[axis], most * scale[axis]]
     };

@@ -439,6 +439,57 @@ fn ends(scene: &Scene, random: &mut Random) -> [f32; 4] {
     [x0, y0, x1, y1]
 }
 
+/// Bounds of the bicubic surface over boxes hold, and are not wider than what samples allow.
+#[test]
+fn boxes_of_curved_patches_are_bounded() {
+    let ask = |scene: &Scene, intrinsic: Intrinsic, args: &[f32]| {
+        let mut out = vec![0; intrinsic.results().len()];
+        scene.eval_f32(intrinsic, &args.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), &mut out);
+        out.into_iter().map(|word| f64::from(f32::from_bits(word))).collect::<Vec<_>>()
+    };
+    for (name, scene) in fields() {
+        let mut random = Random(4);
+        let slack = tolerance(&scene);
+        let relief = scene.terrain().max - scene.terrain().min;
+        for i in 0..if name == "fuji" { 500 } else { 3_000 } {
+            let ends = ends(&scene, &mut random);
+            let crest = ask(&scene, Intrinsic::Crest, &ends)[0];
+            let inclines = ask(&scene, Intrinsic::InclinesBicubic, &ends);
+            assert!(crest <= scene.terrain().max + 0.3 * relief + slack, "{name} box {i}");
+            for _ in 0..4 {
+                let at = [0, 1].map(|a| ends[a] + (ends[a + 2] - ends[a]) * random.unit() as f32);
+                for surface in [Intrinsic::Bicubic, Intrinsic::Subdivided] {
+                    let args = [at[0], at[1], PARTS];
+                    let z = ask(&scene, surface, &args[..surface.params().len()])[0];
+                    assert!(z <= crest + slack, "{name} box {i} {ends:?}: {z} over {crest}");
+                }
+                // Slopes are asked for where there is no hole.
+                let grown = [ends[0], ends[1], ends[2], ends[3]].map(f64::from);
+                let mut holed = [0.0];
+                scene.eval_f64(Intrinsic::Holed, &grown, &mut holed);
+                if holed[0] != 0.0 {
+                    continue;
+                }
+                let slopes = ask(&scene, Intrinsic::GradientBicubic, &at);
+                for axis in 0..2 {
+                    let most = slack / scene.terrain().spacing[axis] + 1e-5 * slopes[axis].abs();
+                    let [low, high] = [inclines[2 * axis], inclines[2 * axis + 1]];
+                    let holds = low - most <= slopes[axis] && slopes[axis] <= high + most;
+                    assert!(holds, "{name} box {i} {ends:?} at {at:?}: {slopes:?} {inclines:?}");
+                }
+            }
+        }
+        // In a cell they are the patch's own: halved they do not hold.
+        let [dx, dy] = scene.uniform().spacing;
+        let cell = [0.0, 0.0, dx, dy];
+        let inclines = ask(&scene, Intrinsic::InclinesBicubic, &cell);
+        let places = (0..81).map(|k| ask(&scene, Intrinsic::GradientBicubic, &[dx * (k % 9) as f32 / 8.0, dy * (k / 9) as f32 / 8.0]));
+        let steepest = places.map(|slope| slope[0].abs()).fold(0.0, f64::max);
+        let bound = inclines[0].abs().max(inclines[1].abs());
+        assert!(name == "voids" || steepest == 0.0 || 0.5 * bound < steepest, "{name}: {bound} for {steepest}");
+    }
+}
+
 #[test]
 fn boxes_are_bounded() {
     let ask = |scene: &Scene, intrinsic, args: &[f32]| {

@@ -52,8 +52,8 @@ const PIECES: &[Piece] = pieces! {
     "floor.i16" "floors_i16" ["floors" "sample"];
     "floor.f32" "floors_f32" ["floors"];
     "crests" "crests" [];
-    "crest.i16" "crests_i16" ["crests" "sample"];
-    "crest.f32" "crests_f32" ["crests"];
+    "crest_node.i16" "crests_i16" ["crests" "sample"];
+    "crest_node.f32" "crests_f32" ["crests"];
     "corners" "corners" ["scene" "sample"];
     "box" "box" ["scene"];
     "rim" "rim" ["scene" "sample"];
@@ -73,8 +73,8 @@ const PIECES: &[Piece] = pieces! {
     "patch_subdivided" "patch_subdivided" ["patch_bilinear" "part"];
     "samples_bilinear" "samples_corners" ["corners" "bound"];
     "samples_triangulated" "samples_corners" ["corners" "bound"];
-    "samples_bicubic" "samples_around" ["neighbours" "crest"];
-    "samples_subdivided" "samples_around" ["neighbours" "crest"];
+    "samples_bicubic" "samples_around" ["neighbours" "crest_node"];
+    "samples_subdivided" "samples_around" ["neighbours" "crest_node"];
     "walk_bilinear" "walk" ["ray" "samples_bilinear" "patch_bilinear"];
     "walk_triangulated" "walk" ["ray" "samples_triangulated" "patch_triangulated"];
     "walk_bicubic" "walk" ["ray" "samples_bicubic" "patch_bicubic"];
@@ -111,9 +111,14 @@ const PIECES: &[Piece] = pieces! {
     "trace_bilinear" "trace" ["walk_bilinear"];
     "occluded_triangulated" "occluded" ["walk_triangulated"];
     "occluded_bilinear" "occluded" ["walk_bilinear"];
-    "highest" "highest" ["box" "bound"];
-    "lowest" "lowest" ["box" "floor"];
+    "side_highest" "side_highest" ["scene" "bound"];
+    "side_lowest" "side_lowest" ["scene" "floor"];
+    "side_crest" "side_crest" ["scene" "crest_node"];
+    "highest" "extreme" ["box" "side_highest"];
+    "lowest" "extreme" ["box" "side_lowest"];
     "inclines" "inclines" ["box" "sample"];
+    "crest" "extreme" ["box" "side_crest"];
+    "inclines_bicubic" "inclines_bicubic" ["neighbours"];
     "holed" "holed" ["box" "sample"];
     "hole" "hole" ["holed"];
     "camera" "camera" ["scene"];

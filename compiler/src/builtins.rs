@@ -175,6 +175,8 @@ builtins! {
     // surface is known not to jump, its least and its greatest slope.
     Above "__above" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2) -> f32");
     Along "__along" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2) -> (bool, f32, f32)");
+    // Whether the bounds of its slopes are those of a cell: known when it is compiled.
+    Cellwise "__cellwise" Library Fixed("fn(fn(vec2) -> f32) -> bool");
     // Whether the cell at a position touches a missing sample.
     Hole "__hole" Library Fixed("fn(vec2) -> bool");
     Holed "__holed" Library Fixed("fn(vec2, vec2) -> bool");

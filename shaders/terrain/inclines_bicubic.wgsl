@@ -43,7 +43,8 @@ fn inclines_bicubic(x0: f32, y0: f32, x1: f32, y1: f32) -> vec4<f32> {
     let corner = vec2<f32>(cell);
     let scale = terrain_scene.z_scale * inverse;
     // A rounding beyond the cell slopes are the same: they do not jump.
-    let wide = any(low < corner - vec2<f32>(0.01)) || any(high > corner + vec2<f32>(1.01));
+    let beside = 2e-6 * cells;
+    let wide = any(low < corner - beside) || any(high > corner + (vec2<f32>(1.0) + beside));
     let samples = terrain_around_kept(cell.x, cell.y);
     if wide || samples.base == TERRAIN_VOID {
         let most = TERRAIN_STEEPEST * (terrain_scene.raw_relief.y - terrain_scene.raw_relief.x) * scale;

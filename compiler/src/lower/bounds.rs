@@ -5,20 +5,43 @@ use super::Lower;
 use super::call::{Application, Callee};
 use super::value::{Closure, Value};
 use crate::bounds::{Ask, Known, Request};
-use crate::core::{FnId, Op, Scalar};
+use crate::core::{Atom, Const, FnId, Intrinsic, Op, Scalar, walk};
 use crate::typed::{FunctionId, Type};
+use std::collections::HashSet;
 
 impl<'m> Lower<'m> {
+    /// The surface as a function of its own, and the words that it takes for a position.
+    fn surface_of(&mut self, at: &Application<'_, 'm>, position: Value<'m>) -> (FnId, Vec<Atom>) {
+        let callee = self.callee(&at.args[0]);
+        let args = vec![position];
+        let position = Application { args, params: &[Type::Vec(2)], result: &Type::F32, span: at.span };
+        let (base, _, words) = self.specialise(&callee, &position);
+        (base, words)
+    }
+
+    /// Whether a surface is made of bicubic patches.
+    pub(super) fn cellwise(&mut self, at: &Application<'_, 'm>) -> Value<'m> {
+        let anywhere = self.zeros(&Type::Vec(2)).expect("a position is two words");
+        let (base, _) = self.surface_of(at, anywhere);
+        let (mut open, mut seen, mut found) = (vec![base], HashSet::new(), false);
+        while let Some(id) = open.pop() {
+            let Some(function) = &self.functions[id.0 as usize] else { continue };
+            if seen.insert(id) {
+                let stmts = &function.body.stmts;
+                open.extend(walk::calls(stmts));
+                walk::statements(stmts, &mut |stmt| {
+                    use Intrinsic::{Bicubic, GradientBicubic, GradientSubdivided, Subdivided};
+                    let curved = [Bicubic, Subdivided, GradientBicubic, GradientSubdivided];
+                    found |= matches!(stmt.op, Op::Intrinsic(intrinsic, _) if curved.contains(&intrinsic));
+                });
+            }
+        }
+        Value::constant(Const::Bool(found))
+    }
+
     /// `(surface, low, high)`, and the direction for [`Ask::Along`].
     pub(super) fn enclosure(&mut self, ask: Ask, at: Application<'_, 'm>) -> Value<'m> {
-        let callee = self.callee(&at.args[0]);
-        let position = Application {
-            args: vec![at.args[1].clone()],
-            params: &[Type::Vec(2)],
-            result: &Type::F32,
-            span: at.span,
-        };
-        let (base, _, mut words) = self.specialise(&callee, &position);
+        let (base, mut words) = self.surface_of(&at, at.args[1].clone());
         words.extend(at.args[2..].iter().flat_map(Value::components));
         let hole = self.enclosure_hole(base, ask, &at);
         let scalars: &[Scalar] = match ask {

@@ -91,6 +91,7 @@ impl<'m> Lower<'m> {
             }
             Builtin::Trace => self.on_surface(at, TRACES, "_first"),
             Builtin::Occluded => self.on_surface(at, SHADOWS, "_blocked"),
+            Builtin::Cellwise => self.cellwise(&at),
             Builtin::Above => self.enclosure(Ask::Above, at),
             Builtin::Along => self.enclosure(Ask::Along, at),
             _ => match direct(builtin) {

@@ -79,34 +79,29 @@ impl Pyramid {
         }
     }
 
-    /// Upper bounds of the bicubic surface, and of what lies between its points; void where all cells touch a void. In 16 bits the
-    /// highest number stands for all above it.
+    /// Upper bounds of the bicubic surface, and of what lies between its points; beside a void those of the samples that are there. In
+    /// 16 bits the highest number stands for all above it.
     pub fn crests(terrain: &Terrain) -> Pyramid {
-        let size = [terrain.width, terrain.height];
-        let crest = |sample: &dyn Fn(u32, u32) -> f32, cell: [u32; 2]| {
-            let around = Around::of(size, sample, cell)?;
-            let [low, high] = around.range();
-            // More than rounding can cost.
-            Some((around.base, around.crest() + 1e-6 * (high - low)))
-        };
         let at = |i: u32, j: u32| (j * terrain.width + i) as usize;
         match &terrain.samples {
             Samples::I16(data) => {
+                let corners = corner(data, terrain.width, true);
                 let sample = |i: u32, j: u32| match data[at(i, j)] {
                     VOID_I16 => VOID_F32,
                     raw => f32::from(raw),
                 };
-                let leaf = |i: u32, j: u32| {
-                    crest(&sample, [i, j]).map_or(VOID_I16, |(base, over)| (base + over.ceil()) as i16)
-                };
-                Pyramid::i16s(terrain, true, leaf)
+                Pyramid::i16s(terrain, true, |i, j| match crest(terrain, sample, [i, j]) {
+                    Some((base, over)) => (base + over.ceil()) as i16,
+                    None => corners(i, j),
+                })
             }
             Samples::F32(data) => {
-                let leaf = |i: u32, j: u32| {
-                    let raised = |(base, over): (f32, f32)| (base + over) + 1.2e-7 * (base + over).abs();
-                    crest(&|i, j| data[at(i, j)], [i, j]).map_or(VOID_F32, raised)
-                };
-                Pyramid::f32s(terrain, true, leaf)
+                let corners = corner(data, terrain.width, true);
+                let sample = |i: u32, j: u32| data[at(i, j)];
+                Pyramid::f32s(terrain, true, |i, j| match crest(terrain, sample, [i, j]) {
+                    Some((base, over)) => (base + over) + 1.2e-7 * (base + over).abs(),
+                    None => corners(i, j),
+                })
             }
         }
     }
@@ -147,6 +142,13 @@ impl Pyramid {
             Bounds::F32(data) => 4 * data.len(),
         }
     }
+}
+
+/// A cell's corner, and how far the patch rises above it at most, with more than rounding can cost; none if it touches a void.
+fn crest(terrain: &Terrain, sample: impl Fn(u32, u32) -> f32, cell: [u32; 2]) -> Option<(f32, f32)> {
+    let around = Around::of([terrain.width, terrain.height], sample, cell)?;
+    let [low, high] = around.range();
+    Some((around.base, around.crest() + 1e-6 * (high - low)))
 }
 
 /// Of two bounds the outer one.

@@ -115,8 +115,8 @@ pub(super) fn inclines<H: Heights>(scene: &SceneUniform, heights: &H, ends: &[f3
 
 /// A slope is a sum of the steps between neighbours, whose weights below 0 add up to at most 7/16.
 const STEEPEST: f32 = 1.875;
-/// How far a box may leave its cell: a rounding beyond it slopes are the same, as they do not jump.
-const BESIDE: f32 = 0.01;
+/// How far a box may leave its cell, as a part of the field: a rounding beyond it slopes are the same, as they do not jump.
+const BESIDE: f32 = 2e-6;
 
 /// Bounds of the bicubic surface's slopes over a box within a cell: by x, then by y, metres a metre. They are those of the patch's
 /// Bezier points. Over a wider box, and beside a void, they are those that the field's relief allows. Twin of
@@ -127,8 +127,7 @@ pub(super) fn inclines_bicubic<H: Heights>(scene: &SceneUniform, heights: &H, en
     let (low, high) = ([0, 1].map(|a| grid(a, ends[a])), [0, 1].map(|a| grid(a, ends[a + 2])));
     let cell = [0, 1].map(|a| ((0.5 * (low[a] + high[a])) as u32).min(cells[a] - 1));
     let scale = scene.inverse_spacing.map(|inverse| scene.z_scale * inverse);
-    let within =
-        |a: usize| low[a] >= cell[a] as f32 - BESIDE && high[a] <= cell[a] as f32 + (1.0 + BESIDE);
+    let within = |a: usize| low[a] >= cell[a] as f32 - BESIDE && high[a] <= cell[a] as f32 + (1.0 + BESIDE);
     let around = if within(0) && within(1) { Around::new(scene, heights, cell) } else { None };
     let Some(around) = around else {
         let most = scale.map(|s| STEEPEST * (scene.raw_relief[1] - scene.raw_relief[0]) * s);

@@ -467,7 +467,14 @@ fn boxes_of_curved_patches_are_bounded() {
                 let grown = [ends[0], ends[1], ends[2], ends[3]].map(f64::from);
                 let mut holed = [0.0];
                 scene.eval_f64(Intrinsic::Holed, &grown, &mut holed);
-                if holed[0] != 0.0 {
+                // A box may leave its cell by a rounding: there they are nearly the same.
+                let cell = |axis: usize, at: f32| (at / scene.uniform().spacing[axis]).floor();
+                let middle = |axis: usize| cell(axis, 0.5 * (ends[axis] + ends[axis + 2]));
+                let beside = |axis: usize| {
+                    let away = (at[axis] / scene.uniform().spacing[axis] - middle(axis) - 0.5).abs() - 0.5;
+                    away > 0.0 && away < 4e-6 * scene.uniform().size[axis] as f32
+                };
+                if holed[0] != 0.0 || beside(0) || beside(1) {
                     continue;
                 }
                 let slopes = ask(&scene, Intrinsic::GradientBicubic, &at);
@@ -483,10 +490,15 @@ fn boxes_of_curved_patches_are_bounded() {
         let [dx, dy] = scene.uniform().spacing;
         let cell = [0.0, 0.0, dx, dy];
         let inclines = ask(&scene, Intrinsic::InclinesBicubic, &cell);
-        let places = (0..81).map(|k| ask(&scene, Intrinsic::GradientBicubic, &[dx * (k % 9) as f32 / 8.0, dy * (k / 9) as f32 / 8.0]));
+        let places = (0..81).map(|k| {
+            ask(&scene, Intrinsic::GradientBicubic, &[dx * (k % 9) as f32 / 8.0, dy * (k / 9) as f32 / 8.0])
+        });
         let steepest = places.map(|slope| slope[0].abs()).fold(0.0, f64::max);
         let bound = inclines[0].abs().max(inclines[1].abs());
-        assert!(name == "voids" || steepest == 0.0 || 0.5 * bound < steepest, "{name}: {bound} for {steepest}");
+        assert!(
+            name == "voids" || steepest == 0.0 || 0.5 * bound < steepest,
+            "{name}: {bound} for {steepest}"
+        );
     }
 }
 

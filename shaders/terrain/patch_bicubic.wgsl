@@ -57,7 +57,14 @@ fn terrain_over_bicubic(samples: TerrainAround, way: TerrainWay, corner: vec2<bo
 }
 
 // First s with z(ray) <= surface: a ray that comes in under the surface hits at once, so nothing slips between cells.
-fn terrain_patch_bicubic(samples: TerrainAround, way: TerrainWay, parts: f32) -> f32 {
+// A ray that falls is under all of it long before a way ends that is without end.
+fn terrain_patch_bicubic(samples: TerrainAround, entered: TerrainWay, parts: f32) -> f32 {
+    var way = entered;
+    if way.d.z < 0.0 {
+        let range = terrain_range_bicubic(samples) - vec2<f32>(samples.base);
+        let below = way.z - range.x + 0.1 * (range.y - range.x) + 1e-5 * (abs(way.z) + abs(range.x)) + 1e-3;
+        way.length = min(way.length, max(below, 0.0) / -way.d.z);
+    }
     let share = terrain_sextic_first(terrain_height_over(samples, way));
     return select(share * way.length, TERRAIN_MISS, share < 0.0);
 }

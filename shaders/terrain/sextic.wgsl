@@ -1,6 +1,6 @@
-// The first root of a polynomial of degree 6: the height of a straight ray over a bicubic patch. Isolated by the signs of its
-// Bernstein coefficients (the convex hull of Bezier clipping: Nishita, Sederberg, Kakimoto 1990), then closed in on by Newton's
-// method. Twin: `terrain::patch::sextic`.
+// The first root of a polynomial of degree 6: the height of a straight ray over a bicubic patch. It is isolated in halves by the signs
+// of Bernstein coefficients, of which a piece has as many changes as it has roots, or more by an even number (Descartes; Lane and
+// Riesenfeld 1981), then closed in on by Newton's method. Twin: `terrain::patch::sextic`.
 
 // Coefficients of 1 to x^3, and of x^4 to x^6.
 struct TerrainSextic {
@@ -10,8 +10,8 @@ struct TerrainSextic {
 
 // Pieces this short are not cut further; grazing rays are decided by the piece's end.
 const TERRAIN_NARROW: f32 = 1e-5;
-const TERRAIN_PIECES: u32 = 48u;
-const TERRAIN_STEPS: u32 = 10u;
+const TERRAIN_PIECES: u32 = 96u;
+const TERRAIN_STEPS: u32 = 32u;
 
 // Value and slope.
 fn terrain_sextic_at(c: TerrainSextic, x: f32) -> vec2<f32> {
@@ -110,18 +110,12 @@ fn terrain_sextic_first(c: TerrainSextic) -> f32 {
         if changes == 1u {
             lo = a;
             hi = end;
-            x = a + w * (b.low.x / (b.low.x - b.high.z));
+            // Not at the end itself, where the value may be a rounding above 0 though the root is far before.
+            x = a + w * min(b.low.x / (b.low.x - b.high.z), 0.9);
             break;
         }
         if changes > 0u && w >= TERRAIN_NARROW {
-            // No root before the hull of the coefficients comes down to 0.
-            let start = vec3<f32>(b.low.x);
-            let one = vec3<f32>(1.0);
-            let first = select(vec3<f32>(1.0, 2.0, 3.0) / 6.0 * (start / (start - b.low.yzw)), one, low.yzw);
-            let second = select(vec3<f32>(4.0, 5.0, 6.0) / 6.0 * (start / (start - b.high)), one, high);
-            let clear = min(first, second);
-            a += 0.999 * min(min(clear.x, clear.y), min(clear.z, 1.0)) * w;
-            w = 0.5 * (end - a);
+            w *= 0.5;
             continue;
         }
         if !high.z {

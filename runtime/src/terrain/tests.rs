@@ -411,6 +411,38 @@ fn the_last_step_is_short() {
     assert!(off(&fuji, SURFACES[0], &level) < 1e-4, "{}", off(&fuji, SURFACES[0], &level));
 }
 
+/// Dips of the patch below a grazing ray, some of many in a row.
+#[test]
+fn grazing_rays_over_curved_patches_miss_no_dip() {
+    let mut random = Random(17);
+    let scene = scene(field(64, 64, [30.0, 30.0], |_, _| random.within(0.0, 90.0) as f32));
+    let mut met = 0;
+    let mut faults = Vec::new();
+    for k in 0..20_000 {
+        let angle = random.within(0.0, std::f64::consts::TAU);
+        let [x, y] = [random.within(200.0, 1700.0), random.within(200.0, 1700.0)];
+        let sinks = random.pick(&[0.0, -1e-6, -1e-3, 2e-3]);
+        let back = 900.0;
+        let ray = [
+            (x - back * angle.cos()) as f32,
+            (y - back * angle.sin()) as f32,
+            random.within(50.0, 100.0) as f32,
+            angle.cos() as f32,
+            angle.sin() as f32,
+            sinks as f32,
+            0.0,
+            1e9,
+        ];
+        for surface in [Intrinsic::TraceBicubic, Intrinsic::TraceSubdivided] {
+            let answer = single(&scene, surface, &ray);
+            met += u32::from(answer.is_some());
+            faults.extend(fault(&scene, surface, &ray, answer).map(|what| format!("{k} {ray:?}: {what}")));
+        }
+    }
+    assert!(met > 10_000, "{met}");
+    assert!(faults.is_empty(), "{}:\n{}", faults.len(), faults[..faults.len().min(9)].join("\n"));
+}
+
 /// A step that is right at a slope would be none at a wall: it would lead out of the field.
 #[test]
 fn a_wall_is_where_it_stands() {

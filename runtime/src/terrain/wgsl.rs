@@ -69,7 +69,7 @@ const PIECES: &[Piece] = pieces! {
     "patch_bilinear" "patch_bilinear" ["patch"];
     "patch_triangulated" "patch_triangulated" ["patch"];
     "sextic" "sextic" ["patch"];
-    "patch_bicubic" "patch_bicubic" ["sextic" "neighbours"];
+    "patch_bicubic" "patch_bicubic" ["sextic" "samples_bicubic"];
     "patch_subdivided" "patch_subdivided" ["patch_bilinear" "part"];
     "samples_bilinear" "samples_corners" ["corners" "bound"];
     "samples_triangulated" "samples_corners" ["corners" "bound"];

@@ -72,6 +72,19 @@ impl Field<'_> {
 pub(super) fn meet_bicubic(rows: [[f64; 4]; 4], u: [f64; 2], v: [f64; 2], z: [f64; 2]) -> Option<f64> {
     let base = rows[1][1];
     let rows = rows.map(|row| row.map(|z| z - base));
+    // A ray that falls without end is cut where it is under all of the patch.
+    let all = rows.as_flattened();
+    let (low, high) = all.iter().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(*z), high.max(*z)));
+    let under = low - (high - low) - 1.0;
+    if z[0] - base <= under {
+        return Some(0.0);
+    }
+    if z[1] - base < under {
+        let cut = (z[0] - base - under) / (z[0] - z[1]);
+        let upto = |ends: [f64; 2]| [ends[0], ends[0] + cut * (ends[1] - ends[0])];
+        let shorter = [z[0] - base, under];
+        return meet_bicubic(rows, upto(u), upto(v), shorter).map(|share| cut * share);
+    }
     let line = |ends: [f64; 2]| vec![ends[0], ends[1] - ends[0]];
     let cubic = |of: [&Vec<f64>; 4], at: &Vec<f64>| {
         let weight = |parts: [f64; 4]| {

@@ -98,8 +98,15 @@ impl Patch for Bicubic {
         [way.z - height, way.dz - east * way.du - north * way.dv]
     }
 
+    /// A ray that falls is under all of it long before a way ends that is without end.
     fn intersect(&self, samples: &Around, way: &Way) -> f32 {
-        match height_over(samples, way).first() {
+        let mut way = *way;
+        if way.dz < 0.0 {
+            let [low, high] = Bicubic::range(samples).map(|z| z - samples.base);
+            let below = way.z - low + 0.1 * (high - low) + 1e-5 * (way.z.abs() + low.abs()) + 1e-3;
+            way.length = way.length.min(below.max(0.0) / -way.dz);
+        }
+        match height_over(samples, &way).first() {
             Some(share) => share * way.length,
             None => MISS,
         }

@@ -12,6 +12,7 @@ mod rays;
 use crate::arguments::{Bench, On};
 use crate::failure::Failure;
 use device::{BATCH, Tracer};
+use fields::MOVED;
 use fields::Site;
 use ghyll_runtime::gpu::Gpu;
 use ghyll_runtime::terrain::Terrain;
@@ -109,13 +110,13 @@ struct Tally {
     faults: u64,
     errors: Vec<f32>,
     /// A ray with the worst verdict, and that of the greatest error, for the bug report.
-    witness: Option<(Ray, Answer)>,
+    witness: Option<(Ray, Answer, Option<f64>)>,
     farthest: Option<(f64, Ray)>,
 }
 
 impl Tally {
     fn add(&mut self, ray: &Ray, answer: Answer, verdict: Verdict) {
-        match verdict {
+        let truth = match verdict {
             Verdict::Right => return,
             Verdict::Hit(error) => {
                 if self.farthest.is_none_or(|(most, _)| error > most) {
@@ -123,11 +124,20 @@ impl Tally {
                 }
                 return self.errors.push(error as f32);
             }
-            Verdict::Missed => self.missed += 1,
-            Verdict::Phantom => self.phantom += 1,
-            Verdict::Fault => self.faults += 1,
-        }
-        self.witness.get_or_insert((*ray, answer));
+            Verdict::Missed(truth) => {
+                self.missed += 1;
+                truth
+            }
+            Verdict::Phantom(truth) => {
+                self.phantom += 1;
+                truth
+            }
+            Verdict::Fault => {
+                self.faults += 1;
+                None
+            }
+        };
+        self.witness.get_or_insert((*ray, answer, truth));
     }
 
     /// The bounds are those of the 99.9th percentile and of the greatest distance.
@@ -149,8 +159,11 @@ impl Tally {
             ("distance, 99.9th percentile", f64::from(error(0.999)), bounds[0], "cells"),
             ("distance, greatest", f64::from(error(1.0)), bounds[1], "cells"),
         ];
-        if let Some((ray, answer)) = self.witness {
-            eprintln!("ghyll: broken: {name} on {backend}, such as the ray {ray:?}: {answer}");
+        if let Some((ray, answer, truth)) = self.witness {
+            let truth = truth.map_or("none".to_string(), |t| t.to_string());
+            eprintln!(
+                "ghyll: broken: {name} on {backend}, such as the ray {ray:?}: {answer}; truth: {truth}"
+            );
         }
         if let Some((most, ray)) = self.farthest
             && (error(0.999) > bounds[0] as f32 || most > bounds[1])
@@ -207,8 +220,9 @@ pub fn rows(arguments: &Bench, gpu: Option<&Gpu>) -> Result<Vec<Value>, Failure>
     };
     let list: Vec<&Hazard> = HAZARDS.iter().filter(|h| wanted(h)).collect();
     for group in list.chunk_by(|a, b| std::ptr::fn_addr_eq(a.field, b.field)) {
-        let site = (group[0].field)().and_then(Site::new).map_err(Failure::Run)?;
+        let mut site = (group[0].field)().and_then(Site::new).map_err(Failure::Run)?;
         for surface in SURFACES {
+            site.moved = surface.moved(&site);
             rows.extend(traced(&site, *surface, group, &machines, arguments.rays)?);
         }
         rows.extend(pictures::mirrors(&site, group[0].name, &machines)?);
@@ -230,6 +244,8 @@ fn traced(
     rays: u64,
 ) -> Result<Vec<Value>, Failure> {
     let mut rows = Vec::new();
+    // No distance is known better than heights are.
+    let bounds = if site.moved > MOVED { BOUNDS.map(|bound| bound.max(site.moved)) } else { BOUNDS };
     let tracer = match machines.gpu.map(|gpu| Tracer::new(gpu, &site.scene, surface)) {
         None => None,
         Some(Ok(tracer)) => Some(tracer),
@@ -256,10 +272,10 @@ fn traced(
         }
         let name = format!("{}, {}", hazard.name, surface.name);
         if machines.cpu {
-            rows.extend(cpu.rows((&name, site.moved), "cpu", "twin", BOUNDS));
+            rows.extend(cpu.rows((&name, site.moved), "cpu", "twin", bounds));
         }
         if let (Some(_), Some(adapter)) = (&tracer, machines.gpu) {
-            rows.extend(gpu.rows((&name, site.moved), "gpu", &adapter.info().name, BOUNDS));
+            rows.extend(gpu.rows((&name, site.moved), "gpu", &adapter.info().name, bounds));
         }
     }
     Ok(rows)
@@ -276,7 +292,7 @@ fn judged(site: &Site, surface: Surface, rays: &[Ray], answers: Vec<Answer>, tal
 
 /// The twin's answer.
 fn twin(site: &Site, surface: Surface, ray: &Ray) -> Answer {
-    let words = ray.map(f32::to_bits);
+    let words: Vec<u32> = ray.iter().copied().chain(surface.parts).map(f32::to_bits).collect();
     let (mut found, mut dark) = ([0; 2], [0]);
     site.scene.eval_f32(surface.trace, &words, &mut found);
     site.scene.eval_f32(surface.occluded, &words, &mut dark);
@@ -304,8 +320,9 @@ mod tests {
     fn every_hazard_is_a_row() {
         let machines = Machines { cpu: true, gpu: None };
         for hazard in HAZARDS.iter().filter(|h| h.from == 0 && h.share >= 0.1) {
-            let site = Site::new((hazard.field)().unwrap()).unwrap();
+            let mut site = Site::new((hazard.field)().unwrap()).unwrap();
             for surface in SURFACES {
+                site.moved = surface.moved(&site);
                 let rows = traced(&site, *surface, &[hazard], &machines, 300).unwrap();
                 assert_eq!(rows.len(), 5, "{}", hazard.name);
                 assert_eq!(broken(&rows), 0, "{}: {rows:?}", hazard.name);

@@ -18,9 +18,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = 8u * id.x;
     let found = TRACE(rays[at], rays[at + 1u], rays[at + 2u], rays[at + 3u], rays[at + 4u], rays[at + 5u], rays[at + 6u],
-        rays[at + 7u]);
+        rays[at + 7u]PARTS);
     let dark = OCCLUDED(rays[at], rays[at + 1u], rays[at + 2u], rays[at + 3u], rays[at + 4u], rays[at + 5u],
-        rays[at + 6u], rays[at + 7u]);
+        rays[at + 6u], rays[at + 7u]PARTS);
     answers[id.x] = vec4<u32>(u32(found.r0), bitcast<u32>(found.r1), u32(dark), 0u);
 }
 ";
@@ -41,7 +41,9 @@ impl<'a> Tracer<'a> {
         let prelude = wgsl::wgsl(&[surface.trace, surface.occluded], wgsl::Format::of(scene.terrain()));
         let terrain = GpuTerrain::new(device, &gpu.queue, scene, prelude.uses)?;
         let terrain_layout = terrain.layout(device);
+        let parts = surface.parts.map(|parts| format!(", {parts:?}")).unwrap_or_default();
         let text = KERNEL.replace("TRACE", surface.trace.name()).replace("OCCLUDED", surface.occluded.name());
+        let text = text.replace("PARTS", &parts);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("stability"),
             source: wgpu::ShaderSource::Wgsl(format!("{}\n{text}", prelude.text).into()),

@@ -5,7 +5,7 @@ use ghyll_runtime::terrain::{Scene, SceneOptions, Terrain, View};
 use std::sync::Arc;
 
 /// Cells by which a ray may be moved: what is nearer is a rounding at a silhouette.
-const MOVED: f64 = 1e-4;
+pub const MOVED: f64 = 1e-4;
 
 /// A field with what rays aim at.
 pub struct Site {

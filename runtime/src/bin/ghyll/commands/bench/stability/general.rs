@@ -24,7 +24,7 @@ use std::sync::Arc;
 const PROGRAM: &str = include_str!("../../../../../../../benches/stability/general.ghyll");
 
 /// Without noise and microstructure: the oracle takes a second for a ray through these.
-const SURFACES: &[&str] = &["bicubic", "subdivided", "nearest", "mixed"];
+const SURFACES: &[&str] = &["nearest", "mixed"];
 
 type Place = (&'static str, fn() -> Result<Terrain, String>, &'static [(&'static str, Family)]);
 

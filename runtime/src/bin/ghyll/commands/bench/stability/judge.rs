@@ -3,7 +3,7 @@
 //! An answer is right if it is that of the ray moved by at most 1e-4 cell: that tells a rounding at a silhouette, where any
 //! two answers may differ without end, from a fault. The distance of hits that are not at a silhouette is measured directly.
 
-use super::fields::Site;
+use super::fields::{MOVED, Site};
 use super::rays::Ray;
 use ghyll_compiler::intrinsics::Intrinsic;
 
@@ -22,6 +22,8 @@ pub struct Surface {
     pub trace: Intrinsic,
     pub occluded: Intrinsic,
     gradient: Intrinsic,
+    /// Along a cell's side, where the intrinsics ask for it.
+    pub parts: Option<f32>,
 }
 
 pub const SURFACES: &[Surface] = &[
@@ -30,14 +32,43 @@ pub const SURFACES: &[Surface] = &[
         trace: Intrinsic::TraceBilinear,
         occluded: Intrinsic::OccludedBilinear,
         gradient: Intrinsic::GradientBilinear,
+        parts: None,
     },
     Surface {
         name: "triangulated",
         trace: Intrinsic::TraceTriangulated,
         occluded: Intrinsic::OccludedTriangulated,
         gradient: Intrinsic::GradientTriangulated,
+        parts: None,
+    },
+    Surface {
+        name: "bicubic",
+        trace: Intrinsic::TraceBicubic,
+        occluded: Intrinsic::OccludedBicubic,
+        gradient: Intrinsic::GradientBicubic,
+        parts: None,
+    },
+    Surface {
+        name: "subdivided",
+        trace: Intrinsic::TraceSubdivided,
+        occluded: Intrinsic::OccludedSubdivided,
+        gradient: Intrinsic::GradientSubdivided,
+        parts: Some(4.0),
     },
 ];
+
+/// What single precision knows of a patch of 4 x 4 samples, of the field's heights: weights whose sizes add up to 25/16, nine roundings
+/// of at most 2^-24 each of differences of samples. It is more than 1e-4 cell only where peaks are a hundred cells high.
+const CURVED: f64 = 1.0 / 1_048_576.0;
+
+impl Surface {
+    /// Cells by which rays over the field may be moved.
+    pub fn moved(self, site: &Site) -> f64 {
+        let curved = matches!(self.trace, Intrinsic::TraceBicubic | Intrinsic::TraceSubdivided);
+        let heights = if curved { CURVED * (site.relief[1] - site.relief[0]) / site.cell() } else { 0.0 };
+        heights.max(MOVED)
+    }
+}
 
 /// What a machine says of a ray: the words of `trace`, and of `occluded`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,17 +93,18 @@ pub enum Verdict {
     /// A hit that does not graze, with its error in cells along the surface, beyond half a unit in the last place of the
     /// distance, which no single precision number can avoid.
     Hit(f64),
-    /// A hit not found, or one behind it.
-    Missed,
-    /// A hit where there is none.
-    Phantom,
+    /// A hit not found, or one behind it; with the oracle's distance.
+    Missed(Option<f64>),
+    /// A hit where there is none, or one behind it.
+    Phantom(Option<f64>),
     /// A number that is none, or `occluded` disagrees.
     Fault,
 }
 
 fn truth(site: &Site, surface: Surface, ray: &[f64; 8]) -> Option<f64> {
     let mut out = [0.0; 2];
-    site.scene.eval_f64(surface.trace, ray, &mut out);
+    let args: Vec<f64> = ray.iter().copied().chain(surface.parts.map(f64::from)).collect();
+    site.scene.eval_f64(surface.trace, &args, &mut out);
     (out[0] != 0.0).then_some(out[1])
 }
 
@@ -86,7 +118,9 @@ pub fn judge(site: &Site, surface: Surface, ray: &Ray, answer: Answer) -> Verdic
     let real = truth(site, surface, &ray.map(f64::from));
     let slope = |at: [f64; 2]| {
         let mut slope = [0.0; 2];
-        site.scene.eval_f64(surface.gradient, &at, &mut slope);
+        let [x, y] = at;
+        let args = [x, y, f64::from(surface.parts.unwrap_or(1.0))];
+        site.scene.eval_f64(surface.gradient, &args, &mut slope);
         slope
     };
     look(site, ray, answer, real, slope).unwrap_or_else(|| {
@@ -130,9 +164,9 @@ pub fn look(
 /// An answer that is neither right nor that of a ray beside it.
 pub fn blame(answer: Answer, real: Option<f64>) -> Verdict {
     match (answer.given(), real) {
-        (Some(given), Some(real)) if given > real => Verdict::Missed,
-        (Some(_), _) => Verdict::Phantom,
-        (None, _) => Verdict::Missed,
+        (Some(given), Some(real)) if given > real => Verdict::Missed(Some(real)),
+        (Some(_), real) => Verdict::Phantom(real),
+        (None, real) => Verdict::Missed(real),
     }
 }
 

@@ -48,6 +48,10 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         return Err(DemError::unsupported(file, format!("its shape is {:?}", array.shape), MEND));
     };
     check_claim(file, (width, height), array.sample()?, array.data.len() as u64, false)?;
+    let held = array.data.len() as u64 / array.sample()?;
+    if held > width * height {
+        return Err(DemError::too_many(file, held, width, height));
+    }
     Grid {
         width: width as u32,
         height: height as u32,

@@ -51,25 +51,45 @@ pub(super) fn revolved(terrain: &Terrain, points: &[DVec3]) -> Vec<DVec3> {
     all
 }
 
-/// Points whose hull is nearly that of the field: a coarse grid of samples, and the corners at the lowest height.
+/// Height of the model's underside, as `underside` of the module `terrain` has it.
+fn underside(terrain: &Terrain, exaggerate: f64) -> f64 {
+    let [width, height] = terrain.extent();
+    let plain = (0.02 * width.hypot(height)).min(0.05 * width.min(height));
+    exaggerate * terrain.min - (0.12 * exaggerate * (terrain.max - terrain.min)).max(plain)
+}
+
+/// Points whose hull is nearly that of the field as a model: a coarse grid of samples, the highest sample of each of its
+/// cells, so that no spike between them is lost, and the corners of the underside.
 pub(super) fn outline(terrain: &Terrain, exaggerate: f64) -> Vec<DVec3> {
     const GRID: u32 = 48;
-    let picks = |n: u32| (0..=GRID).map(move |k| (u64::from(n - 1) * u64::from(k) / u64::from(GRID)) as u32);
-    let place = |c: u32, r: u32, z: f64| {
+    let picks = |n: u32| {
+        let pick = |k: u32| (u64::from(n - 1) * u64::from(k) / u64::from(GRID)) as u32;
+        let mut all: Vec<u32> = (0..=GRID).map(pick).collect();
+        all.dedup();
+        all
+    };
+    let place = |(c, r): (u32, u32), z: f64| {
         DVec3::new(f64::from(c) * terrain.spacing[0], f64::from(r) * terrain.spacing[1], z * exaggerate)
     };
+    let (columns, rows) = (picks(terrain.width), picks(terrain.height));
     let mut points = Vec::new();
-    for r in picks(terrain.height) {
-        for c in picks(terrain.width) {
-            let rim = (c == 0 || c + 1 == terrain.width) && (r == 0 || r + 1 == terrain.height);
-            if rim {
-                points.push(place(c, r, terrain.min));
-            }
-            if let Some(z) = terrain.sample(c, r) {
-                points.push(place(c, r, z));
-            }
+    for r in &rows {
+        for at in columns.iter().map(|c| (*c, *r)) {
+            points.extend(terrain.sample(at.0, at.1).map(|z| place(at, z)));
         }
     }
+    for r in rows.windows(2) {
+        for c in columns.windows(2) {
+            let cell = (r[0]..r[1]).flat_map(|r| (c[0]..c[1]).map(move |c| (c, r)));
+            let top = cell.filter_map(|at| Some((at, terrain.sample(at.0, at.1)?)));
+            points.extend(top.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, z)| place(at, z)));
+        }
+    }
+    let [width, height] = terrain.extent();
+    let low = underside(terrain, exaggerate);
+    points.extend(
+        [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)].map(|(x, y)| DVec3::new(x, y, low)),
+    );
     points
 }
 
@@ -103,8 +123,13 @@ pub(super) fn frame(
         let half = ((top - bottom) / 2.0).max((east - west) / 2.0 * tan_y / tan_x) / FRAME;
         let pixel = 2.0 * half / f64::from(size.1);
         let back = near - 0.05 * (depth + half) - 1.0;
+        let eye = right * (east + west) / 2.0 + up * (top + bottom) / 2.0 + forward * back;
+        // The lowest rays begin above everything too: under the model they would meet nothing but its inside.
+        let lowest = points.iter().map(|p| p.z).fold(f64::MAX, f64::min);
+        let sunk = (lowest - (eye.z - half * up.z)).max(0.0) * 1.01;
+        let eye = eye - if sunk > 0.0 { forward * (sunk / sin_d) } else { DVec3::ZERO };
         return Camera {
-            eye: right * (east + west) / 2.0 + up * (top + bottom) / 2.0 + forward * back,
+            eye,
             forward,
             across: right * pixel,
             down: -up * pixel,

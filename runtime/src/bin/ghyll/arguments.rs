@@ -475,13 +475,16 @@ pub struct Bench {
     pub output: Option<PathBuf>,
 }
 
-/// Options whose value may be left out, and whether what stands behind one is its value.
-const OPTIONAL: [(&str, fn(&str) -> bool); 2] = [
+/// Whether a word is the value of the option before it.
+type IsValue = fn(&str) -> bool;
+
+/// Options whose value may be left out.
+const OPTIONAL: [(&str, IsValue); 2] = [
     ("--stats", |next| next == "json" || next == "text"),
     ("--curvature", |next| next.parse::<f64>().is_ok()),
 ];
 
-/// Makes `--stats json` and bare `--stats` both unmistakable for the parser, and others like it.
+/// Makes `--stats json` and bare `--stats` both unmistakable for the parser, and `--curvature` alike.
 pub fn prepared(raw: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut prepared = Vec::new();
     let mut raw = raw.peekable();

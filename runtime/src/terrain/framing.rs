@@ -7,19 +7,23 @@ use glam::DVec3;
 /// Part of the picture that a framed field may fill.
 const FRAME: f64 = 0.94;
 
-/// The first highest sample: position and height in metres.
+/// The highest sample, of several the one nearest to the field's middle: position and height in metres.
 pub(super) fn highest(terrain: &Terrain) -> (f64, f64, f64) {
-    let mut best = (0, 0, f64::MIN);
+    let [dx, dy] = terrain.spacing;
+    let [width, height] = terrain.extent();
+    let away = |x: f64, y: f64| (x - width / 2.0).hypot(y - height / 2.0);
+    let mut best = (0.0, 0.0, f64::MIN);
     for r in 0..terrain.height {
         for c in 0..terrain.width {
-            if let Some(z) = terrain.sample(c, r).filter(|z| *z > best.2) {
-                best = (c, r, z);
+            let Some(z) = terrain.sample(c, r).filter(|z| *z >= best.2) else { continue };
+            let (x, y) = (f64::from(c) * dx, f64::from(r) * dy);
+            if z > best.2 || away(x, y) < away(best.0, best.1) {
+                best = (x, y, z);
             }
         }
     }
-    let (c, r, z) = best;
-    let z = if z == f64::MIN { terrain.min } else { z };
-    (f64::from(c) * terrain.spacing[0], f64::from(r) * terrain.spacing[1], z)
+    let (x, y, z) = best;
+    (x, y, if z == f64::MIN { terrain.min } else { z })
 }
 
 /// The points turned about the field's middle into all directions.

@@ -501,6 +501,9 @@ mod tests {
         let terrain = Terrain::from_heights(5, 5, [10.0, 10.0], heights).unwrap();
         let camera = Camera::new(&View::panorama(), &terrain, 2.0, (360, 180)).unwrap();
         assert_eq!(camera.eye, DVec3::new(20.0, 10.0, 103.0));
+        let flat = Terrain::from_heights(7, 5, [10.0, 20.0], vec![4.0; 35]).unwrap();
+        let middle = Camera::new(&View::panorama(), &flat, 1.0, (36, 18)).unwrap();
+        assert_eq!(middle.eye, DVec3::new(30.0, 40.0, 7.0));
         let towards = |x, y| camera.ray(x, y).1;
         let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a} {b}");
         near(towards(180.0, 90.0), DVec3::Y);

@@ -54,7 +54,7 @@ pub(super) fn parse(
     check_claim(file, (width.into(), height.into()), sample, bytes.len() as u64, false)?;
     let held = bytes.len() as u64 / sample;
     if held > u64::from(width) * u64::from(height) {
-        return Err(DemError::too_many(file, held, width.into(), height.into()));
+        return Err(DemError::too_many(file, held, &[width.into(), height.into()]));
     }
     let data = &bytes[..(u64::from(width) * u64::from(height) * sample) as usize];
     let big = get("byteorder").is_some_and(|order| order.eq_ignore_ascii_case("m"));

@@ -66,9 +66,10 @@ impl DemError {
     }
 
     /// Read on, every row after the first would be shifted or the last ones lost.
-    pub(in crate::terrain) fn too_many(file: &str, held: u64, width: u64, height: u64) -> DemError {
-        let what =
-            format!("it holds {held} numbers where its header says {width} x {height} = {}", width * height);
+    pub(in crate::terrain) fn too_many(file: &str, held: u64, shape: &[u64]) -> DemError {
+        let sides: Vec<String> = shape.iter().map(u64::to_string).collect();
+        let (sides, count) = (sides.join(" x "), shape.iter().product::<u64>());
+        let what = format!("it holds {held} numbers where its header says {sides} = {count}");
         DemError::lying(file, what)
     }
 

@@ -77,7 +77,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
     let more = words.count();
     if more > 0 {
         let held = values.len() + more;
-        return Err(DemError::too_many(file, held as u64, width, height));
+        return Err(DemError::too_many(file, held as u64, &[width, height]));
     }
     let whole = values.iter().all(|v| v.fract() == 0.0 && v.abs() < 1e9);
     Grid {

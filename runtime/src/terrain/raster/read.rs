@@ -78,6 +78,7 @@ fn array(file: &str, bytes: &[u8]) -> Result<Raster, DemError> {
         }
     };
     dem::check_held(file, (width, height), array.sample()? * components, array.data.len() as u64, false)?;
+    array.check_end()?;
     let count = (width * height * components) as usize;
     let (width, height, components) = (width as u32, height as u32, components as u32);
     let numbers = Numbers { width, height, components, place: None, nodata: None };

@@ -29,9 +29,10 @@ pub enum RunError {
 
     /// Before the run: what it cannot do without is more than is allowed.
     #[error(
-        "the run needs at least {} of memory ({needed}), {} are allowed; allow it with --max-memory {}{}",
+        "the run needs at least {} of memory ({needed}), {} are allowed; allow it with --max-memory {}{}{}",
         size(needed.total()), size(*limit), allowance(needed.total()),
-        if needed.image > 0 { " or make the picture smaller" } else { "" }
+        if needed.image > 0 { " or make the picture smaller" } else { "" },
+        if needed.bakes > 0 { "; --no-bake computes at every hit what is baked" } else { "" }
     )]
     TooLittleMemory { needed: Memory, limit: u64 },
 

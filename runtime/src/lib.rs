@@ -14,6 +14,7 @@ pub mod kernels;
 pub mod machine;
 pub mod map;
 pub mod memory;
+mod needs;
 pub mod oracle;
 pub mod presets;
 pub mod progress;

@@ -31,6 +31,11 @@ impl Map {
         &self.image
     }
 
+    /// Numbers that a picture of bytes cannot hold: those outside 0 to 1.
+    pub fn clamped(&self) -> usize {
+        self.image.data.iter().filter(|x| **x < 0.0 || **x > 1.0).count()
+    }
+
     /// Writes the map in the format that the name's ending names; a TIFF is georeferenced as the field is.
     pub fn save(&self, file: impl AsRef<Path>) -> Result<(), ImageError> {
         let file = file.as_ref();

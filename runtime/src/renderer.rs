@@ -6,6 +6,7 @@ use crate::error::RunError;
 use crate::image::Image;
 use crate::kernels::Kernels;
 use crate::machine::{Job, Machine, gpu_stats};
+use crate::needs::Needs;
 use crate::samples::{self, Sum};
 use std::time::{Duration, Instant};
 
@@ -35,31 +36,37 @@ impl Renderer {
                 (data, Stats { total: started.elapsed(), ..Stats::default() })
             }
             Machine::Cpu => {
+                let whole = |error| Needs::on_twin(job, size).whole(error);
                 let scene = match job.scene.filter(|_| !job.compiled.bakes.is_empty()) {
                     Some(scene) => {
-                        let baked = BakedScene::new(job, scene, config, self.baked.take())?;
+                        let baked = BakedScene::new(job, scene, config, self.baked.take()).map_err(whole)?;
                         Some(self.baked.insert(baked).scene())
                     }
                     None => job.scene,
                 };
                 let baking = started.elapsed();
-                let (data, stats) = job.render_twin(scene, size, config)?;
+                let (data, stats) = job.render_twin(scene, size, config).map_err(whole)?;
                 (data, job.looked_at(stats, baking))
             }
             Machine::Gpu(gpu) => {
+                let whole = |error| Needs::on_device(job, size).whole(error);
                 let components = job.compiled.result_words(&job.checked.module);
                 let same_field = |kernels: &Kernels| job.scene.is_none_or(|scene| kernels.serves(scene));
                 match self.kernels.take().filter(same_field) {
                     Some(mut kept) => {
-                        kept.update(job, gpu, config)?;
+                        kept.update(job, gpu, config).map_err(whole)?;
                         self.kernels = Some(kept);
                     }
-                    None => self.kernels = Some(Kernels::new(job, gpu, config, components)?),
+                    None => {
+                        let made = Kernels::new(job, gpu, config, components).map_err(whole)?;
+                        self.kernels = Some(made);
+                    }
                 }
                 let baking = started.elapsed();
                 let kernels = self.kernels.as_mut().ok_or_else(no_kernels)?;
                 kernels.engine.set_point(config.point);
-                let frame = kernels.engine.render(size.0, size.1, job.compiled.back.entry.0)?;
+                let drawn = kernels.engine.render(size.0, size.1, job.compiled.back.entry.0);
+                let frame = drawn.map_err(whole)?;
                 (frame.words, job.looked_at(gpu_stats(&frame.stats), baking))
             }
         };

@@ -28,6 +28,11 @@ const DIRECT_FUEL: i32 = 1 << 16;
 /// Bytes of a picture that are read back at a time.
 const PIECE: u64 = 16 << 20;
 
+/// Bytes that reading a picture of so many takes.
+pub fn readback_of_picture(bytes: u64) -> u64 {
+    Readback::needed(bytes.min(PIECE))
+}
+
 /// Pixel at an index in tile order, which runs over whole tiles of 8x8.
 fn pixel_at(index: u32, width: u32) -> (u32, u32) {
     let tiles = width.div_ceil(8);
@@ -110,7 +115,7 @@ impl Engine {
         }
         // The image has its place first; the stream has what is left.
         let image = bytes.max(self.buffers.image.size());
-        let readback = self.readback.bytes().max(Readback::needed(bytes.min(PIECE)));
+        let readback = self.readback.bytes().max(readback_of_picture(bytes));
         let fixed = Memory { image, readback, terrain: self.scene_bytes, ..Memory::default() };
         let stream = self.buffers.capacity.memory(&self.shape);
         let crowded = stream.total() + fixed.total() > self.config.max_memory;

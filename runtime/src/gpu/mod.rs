@@ -36,5 +36,6 @@ pub use code::{Code, Suspendable};
 pub use device::{Gpu, GpuOptions, Info};
 pub use engine::{Engine, Frame, Outcome, Scene, Stats};
 pub use error::GpuError;
+pub(crate) use image::readback_of_picture;
 pub use pipelines::{SceneLayout, trusted_module};
 pub use shader::of_program as shader;

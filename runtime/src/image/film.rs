@@ -25,6 +25,14 @@ impl FilmFormat {
             _ => None,
         }
     }
+
+    /// The most frames a second that players show, where the format sets a limit.
+    pub fn fastest(self) -> Option<f64> {
+        match self {
+            FilmFormat::Apng => None,
+            FilmFormat::Gif => Some(50.0),
+        }
+    }
 }
 
 /// An open file that takes pictures of one size; it plays without end.

@@ -124,8 +124,25 @@ fn known(file: &str, path: &Path) -> Result<(), DemError> {
     let packed = head.starts_with(GZIP) || zip::is_zip(&head);
     match head.is_empty() || packed || reader(file, &head).is_some() {
         true => Ok(()),
-        false => Err(DemError::UnknownFormat { file: file.to_owned() }),
+        false => Err(unknown(file)),
     }
+}
+
+/// A file of no known format, unless it belongs to one.
+fn unknown(file: &str) -> DemError {
+    if !has_ending(file, "hdr") {
+        return DemError::UnknownFormat { file: file.to_owned() };
+    }
+    let grid = Path::new(file).with_extension("bil");
+    DemError::unsupported(
+        file,
+        "it is the header of a grid",
+        format!("name the grid itself, {}", grid.display()),
+    )
+}
+
+fn has_ending(file: &str, ending: &str) -> bool {
+    Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
 }
 
 /// What reads a file, by its first bytes or its name.
@@ -156,10 +173,17 @@ pub fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, D
     let mut terrain = if bytes.starts_with(GZIP) {
         let plain = inflate(file, bytes)?;
         let inner = file.strip_suffix(".gz").unwrap_or(file);
-        read_plain(inner, &plain, options)?
+        read_plain(inner, &plain, options).map_err(|e| e.about(file))?
     } else if zip::is_zip(bytes) {
-        let (inner, plain) = zip::first(file, bytes)?;
-        read_plain(&inner, &plain, options)?
+        let archive = zip::Archive::open(file, bytes)?;
+        let (name, plain) = archive.grid()?;
+        let inner = format!("{file}/{name}");
+        if has_ending(name, "bil") {
+            let header = archive.beside(name, "hdr")?;
+            applied(&inner, bil::parse(&inner, &plain, &header, options)?, options)?
+        } else {
+            read_plain(&inner, &plain, options)?
+        }
     } else {
         read_plain(file, bytes, options)?
     };
@@ -175,7 +199,7 @@ fn read_plain(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain,
     }
     match reader(file, bytes) {
         Some(read) => applied(file, read(file, bytes, options)?, options),
-        None => Err(DemError::UnknownFormat { file: file.to_owned() }),
+        None => Err(unknown(file)),
     }
 }
 
@@ -199,9 +223,7 @@ fn inflate(file: &str, bytes: &[u8]) -> Result<Vec<u8>, DemError> {
     let limit = (bytes.len() as u64).saturating_mul(MAX_RATIO).min(MAX_FILE);
     let mut plain = Vec::new();
     let mut reader = flate2::read::MultiGzDecoder::new(bytes).take(limit + 1);
-    reader
-        .read_to_end(&mut plain)
-        .map_err(|e| DemError::truncated(file, format!("its gzip data is damaged ({e})")))?;
+    reader.read_to_end(&mut plain).map_err(|e| DemError::damaged(file, "gzip", &e))?;
     if plain.len() as u64 > limit {
         return Err(DemError::TooLarge { file: file.to_owned(), what: "it unpacks to too much".to_owned() });
     }

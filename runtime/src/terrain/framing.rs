@@ -7,19 +7,23 @@ use glam::DVec3;
 /// Part of the picture that a framed field may fill.
 const FRAME: f64 = 0.94;
 
-/// The first highest sample: position and height in metres.
+/// The highest sample, of several the one nearest to the field's middle: position and height in metres.
 pub(super) fn highest(terrain: &Terrain) -> (f64, f64, f64) {
-    let mut best = (0, 0, f64::MIN);
+    let [dx, dy] = terrain.spacing;
+    let [width, height] = terrain.extent();
+    let away = |x: f64, y: f64| (x - width / 2.0).hypot(y - height / 2.0);
+    let mut best = (0.0, 0.0, f64::MIN);
     for r in 0..terrain.height {
         for c in 0..terrain.width {
-            if let Some(z) = terrain.sample(c, r).filter(|z| *z > best.2) {
-                best = (c, r, z);
+            let Some(z) = terrain.sample(c, r).filter(|z| *z >= best.2) else { continue };
+            let (x, y) = (f64::from(c) * dx, f64::from(r) * dy);
+            if z > best.2 || away(x, y) < away(best.0, best.1) {
+                best = (x, y, z);
             }
         }
     }
-    let (c, r, z) = best;
-    let z = if z == f64::MIN { terrain.min } else { z };
-    (f64::from(c) * terrain.spacing[0], f64::from(r) * terrain.spacing[1], z)
+    let (x, y, z) = best;
+    (x, y, if z == f64::MIN { terrain.min } else { z })
 }
 
 /// The points turned about the field's middle into all directions.
@@ -51,25 +55,45 @@ pub(super) fn revolved(terrain: &Terrain, points: &[DVec3]) -> Vec<DVec3> {
     all
 }
 
-/// Points whose hull is nearly that of the field: a coarse grid of samples, and the corners at the lowest height.
+/// Height of the model's underside, as `underside` of the module `terrain` has it.
+fn underside(terrain: &Terrain, exaggerate: f64) -> f64 {
+    let [width, height] = terrain.extent();
+    let plain = (0.02 * width.hypot(height)).min(0.05 * width.min(height));
+    exaggerate * terrain.min - (0.12 * exaggerate * (terrain.max - terrain.min)).max(plain)
+}
+
+/// Points whose hull is nearly that of the field as a model: a coarse grid of samples, the highest sample of each of its
+/// cells, so that no spike between them is lost, and the corners of the underside.
 pub(super) fn outline(terrain: &Terrain, exaggerate: f64) -> Vec<DVec3> {
     const GRID: u32 = 48;
-    let picks = |n: u32| (0..=GRID).map(move |k| (u64::from(n - 1) * u64::from(k) / u64::from(GRID)) as u32);
-    let place = |c: u32, r: u32, z: f64| {
+    let picks = |n: u32| {
+        let pick = |k: u32| (u64::from(n - 1) * u64::from(k) / u64::from(GRID)) as u32;
+        let mut all: Vec<u32> = (0..=GRID).map(pick).collect();
+        all.dedup();
+        all
+    };
+    let place = |(c, r): (u32, u32), z: f64| {
         DVec3::new(f64::from(c) * terrain.spacing[0], f64::from(r) * terrain.spacing[1], z * exaggerate)
     };
+    let (columns, rows) = (picks(terrain.width), picks(terrain.height));
     let mut points = Vec::new();
-    for r in picks(terrain.height) {
-        for c in picks(terrain.width) {
-            let rim = (c == 0 || c + 1 == terrain.width) && (r == 0 || r + 1 == terrain.height);
-            if rim {
-                points.push(place(c, r, terrain.min));
-            }
-            if let Some(z) = terrain.sample(c, r) {
-                points.push(place(c, r, z));
-            }
+    for r in &rows {
+        for at in columns.iter().map(|c| (*c, *r)) {
+            points.extend(terrain.sample(at.0, at.1).map(|z| place(at, z)));
         }
     }
+    for r in rows.windows(2) {
+        for c in columns.windows(2) {
+            let cell = (r[0]..r[1]).flat_map(|r| (c[0]..c[1]).map(move |c| (c, r)));
+            let top = cell.filter_map(|at| Some((at, terrain.sample(at.0, at.1)?)));
+            points.extend(top.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, z)| place(at, z)));
+        }
+    }
+    let [width, height] = terrain.extent();
+    let low = underside(terrain, exaggerate);
+    points.extend(
+        [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)].map(|(x, y)| DVec3::new(x, y, low)),
+    );
     points
 }
 
@@ -103,8 +127,13 @@ pub(super) fn frame(
         let half = ((top - bottom) / 2.0).max((east - west) / 2.0 * tan_y / tan_x) / FRAME;
         let pixel = 2.0 * half / f64::from(size.1);
         let back = near - 0.05 * (depth + half) - 1.0;
+        let eye = right * (east + west) / 2.0 + up * (top + bottom) / 2.0 + forward * back;
+        // The lowest rays begin above everything too: under the model they would meet nothing but its inside.
+        let lowest = points.iter().map(|p| p.z).fold(f64::MAX, f64::min);
+        let sunk = (lowest - (eye.z - half * up.z)).max(0.0) * 1.01;
+        let eye = eye - if sunk > 0.0 { forward * (sunk / sin_d) } else { DVec3::ZERO };
         return Camera {
-            eye: right * (east + west) / 2.0 + up * (top + bottom) / 2.0 + forward * back,
+            eye,
             forward,
             across: right * pixel,
             down: -up * pixel,

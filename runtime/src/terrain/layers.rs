@@ -12,7 +12,7 @@ use ghyll_compiler::intrinsics::Reading;
 use std::sync::Arc;
 
 /// Words of a slot's record.
-const RECORD: usize = 8;
+pub(crate) const RECORD: usize = 8;
 /// A product this near to a whole number, in units of itself, is that number.
 const ROUNDING: f32 = 2.384_185_8e-7;
 

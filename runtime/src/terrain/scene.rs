@@ -19,7 +19,9 @@ pub enum SceneError {
     EmptyPicture,
     #[error("the camera's position, target and up direction must be finite numbers")]
     NotFinite,
-    #[error("the field of view is {0} degrees; it must lie between 0 and 180")]
+    #[error(
+        "the field of view is {0} degrees; it must be more than 0 and less than 180, in a panorama 180 at most"
+    )]
     FieldOfView(f64),
     #[error("there is no ground at {0}, {1}: it is outside the field or in a hole")]
     NoGround(f64, f64),

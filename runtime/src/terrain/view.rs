@@ -15,7 +15,7 @@ pub const STANDING: f64 = 3.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NamedView {
-    /// From the south and above.
+    /// From the south and above; from the south-west over a long field.
     Overview,
     /// Straight down, north up, a map.
     Topdown,
@@ -45,6 +45,19 @@ impl NamedView {
             NamedView::South => (180.0, 14.0),
             NamedView::East => (90.0, 14.0),
             NamedView::West => (270.0, 14.0),
+        }
+    }
+
+    /// The same for a field: one much longer than wide would be a thin line across the picture, or seen end on, but along the
+    /// picture's diagonal it is as large as can be.
+    fn direction_over(self, terrain: &Terrain) -> (f64, f64) {
+        const LONG: f64 = 3.0;
+        const ASIDE: f64 = 40.0;
+        let (azimuth, dip) = self.direction();
+        match (self, terrain.extent()) {
+            (NamedView::Overview, [east, north]) if east > LONG * north => (90.0 - ASIDE, dip),
+            (NamedView::Overview, [east, north]) if north > LONG * east => (ASIDE, dip),
+            _ => (azimuth, dip),
         }
     }
 }
@@ -181,7 +194,8 @@ impl Camera {
             View::Named { view, fov, ortho } => {
                 check_fov(*fov)?;
                 let points = outline(terrain, exaggerate);
-                Ok(frame(view.direction(), *fov, *ortho || *view == NamedView::Topdown, &points, size))
+                let direction = view.direction_over(terrain);
+                Ok(frame(direction, *fov, *ortho || *view == NamedView::Topdown, &points, size))
             }
             View::Turned { view, fov, ortho, turn } => {
                 check_fov(*fov)?;
@@ -224,6 +238,16 @@ impl Camera {
             Projection::Orthographic => [width, 0.0],
             Projection::Panorama => [0.0, width * TAU],
         }
+    }
+}
+
+impl Camera {
+    /// How far the eye is below the ground, and the height of the ground there, in metres; none above it, beside the field, and
+    /// for parallel rays, which begin anywhere.
+    pub fn buried(&self, terrain: &Terrain, exaggerate: f64) -> Option<(f64, f64)> {
+        let ground = exaggerate * ground(terrain, self.eye.x, self.eye.y)?;
+        let depth = ground - self.eye.z;
+        (depth > 0.0 && self.projection != Projection::Orthographic).then_some((depth, ground))
     }
 }
 
@@ -350,6 +374,66 @@ mod tests {
     }
 
     #[test]
+    fn the_model_is_framed_down_to_its_underside_and_up_to_any_spike() {
+        // The spike stands between the samples of the coarse grid.
+        let heights = (0..500 * 500).map(|i| if i == 301 * 500 + 217 { 40_000.0 } else { 100.0 }).collect();
+        let terrain = Terrain::from_heights(500, 500, [10.0, 10.0], heights).unwrap();
+        let low = 2.0 * 100.0 - 0.12 * 2.0 * 39_900.0;
+        let spike = DVec3::new(2170.0, 3010.0, 80_000.0);
+        for (name, view) in NamedView::ALL {
+            for ortho in [false, true] {
+                let view = View::Named { view: *view, fov: NAMED_FOV, ortho };
+                let camera = Camera::new(&view, &terrain, 2.0, (64, 48)).unwrap();
+                for p in [DVec3::new(0.0, 0.0, low), DVec3::new(4990.0, 4990.0, low), spike] {
+                    let (x, y) = project(&camera, p);
+                    assert!(
+                        (1.0..63.0).contains(&x) && (1.0..47.0).contains(&y),
+                        "{name} {ortho}: {p} {x} {y}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_field_lies_along_the_diagonal() {
+        for (w, h) in [(500, 10), (10, 500)] {
+            let terrain = Terrain::from_heights(w, h, [10.0, 10.0], vec![0.0; (w * h) as usize]).unwrap();
+            let camera = Camera::new(&View::overview(), &terrain, 1.0, (300, 200)).unwrap();
+            let [east, north] = terrain.extent();
+            let (a, b) = (project(&camera, DVec3::ZERO), project(&camera, DVec3::new(east, north, 0.0)));
+            assert!((a.0 - b.0).hypot(a.1 - b.1) > 200.0, "{a:?} {b:?}");
+            assert!((a.1 - b.1).abs() > 60.0, "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn parallel_rays_begin_above_the_model() {
+        let terrain = Terrain::from_heights(64, 64, [30.0, 30.0], vec![120.0; 64 * 64]).unwrap();
+        for (name, view) in NamedView::ALL {
+            for size in [(64, 48), (20, 200)] {
+                let view = View::Named { view: *view, fov: NAMED_FOV, ortho: true };
+                let camera = Camera::new(&view, &terrain, 1.0, size).unwrap();
+                let lowest = camera.ray(0.0, f64::from(size.1)).0.z;
+                assert!(lowest > 120.0 - 0.02 * 1890.0 * 2f64.sqrt(), "{name} {size:?}: {lowest}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_eye_in_the_ground_is_known() {
+        let terrain = Terrain::from_heights(3, 3, [10.0, 10.0], vec![50.0; 9]).unwrap();
+        let at = |eye, ortho| {
+            let view = View::LookAt { eye, target: [0.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], fov: 40.0, ortho };
+            Camera::new(&view, &terrain, 2.0, (4, 4)).unwrap().buried(&terrain, 2.0)
+        };
+        assert_eq!(at([10.0, 5.0, 70.0], false), Some((30.0, 100.0)));
+        assert_eq!(at([10.0, 5.0, 101.0], false), None);
+        assert_eq!(at([10.0, 5.0, 70.0], true), None);
+        assert_eq!(at([-1.0, 5.0, 70.0], false), None);
+    }
+
+    #[test]
     fn north_is_up_and_east_is_right_in_the_map_view() {
         let terrain = Terrain::from_heights(5, 5, [10.0, 10.0], vec![0.0; 25]).unwrap();
         let camera = Camera::new(&View::topdown(), &terrain, 1.0, (100, 100)).unwrap();
@@ -417,6 +501,9 @@ mod tests {
         let terrain = Terrain::from_heights(5, 5, [10.0, 10.0], heights).unwrap();
         let camera = Camera::new(&View::panorama(), &terrain, 2.0, (360, 180)).unwrap();
         assert_eq!(camera.eye, DVec3::new(20.0, 10.0, 103.0));
+        let flat = Terrain::from_heights(7, 5, [10.0, 20.0], vec![4.0; 35]).unwrap();
+        let middle = Camera::new(&View::panorama(), &flat, 1.0, (36, 18)).unwrap();
+        assert_eq!(middle.eye, DVec3::new(30.0, 40.0, 7.0));
         let towards = |x, y| camera.ray(x, y).1;
         let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a} {b}");
         near(towards(180.0, 90.0), DVec3::Y);

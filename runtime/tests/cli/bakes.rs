@@ -70,3 +70,25 @@ fn statistics_show_what_a_bake_takes_if_it_is_needed() {
         assert!(render(&folder, &format!("--on {machine} --stats")).1.contains("baking"), "{machine}");
     }
 }
+
+#[test]
+fn memory_that_is_advised_is_enough() {
+    let folder = Folder::new("bake_memory");
+    let text = "use terrain; @bake fn b(p: vec2) -> vec2 = p; fn pixel(p: vec2) -> f32 = b(p).x;";
+    folder.write("p.ghyll", text);
+    let field =
+        format!("ncols 200\nnrows 200\nxllcorner 0\nyllcorner 0\ncellsize 9\n{}", "1 ".repeat(40_000));
+    folder.write("d.asc", field);
+    for on in machines().iter().filter(|on| **on != "oracle") {
+        // A picture smaller than the bake, and a larger one.
+        for size in ["8x8", "500x500"] {
+            let line =
+                format!("render p.ghyll --on {on} --bake --dem d.asc --size {size} -o b.png --max-memory");
+            let refused = folder.ghyll(&format!("{line} 1K"));
+            refused.failed(3, &["bakes ", "--no-bake"]);
+            let advised = refused.err.split("--max-memory ").nth(1).unwrap();
+            let least = advised.split([' ', ';', '\n']).next().unwrap();
+            folder.ghyll(&format!("{line} {least}")).printed();
+        }
+    }
+}

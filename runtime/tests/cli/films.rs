@@ -149,3 +149,14 @@ fn a_preset_sets_what_the_program_has() {
     assert!(shade == 51 && told.contains("memory: detail=false, no bake"), "{told}");
     folder.ghyll(&format!("{line} --preset best")).failed(2, &["quality"]);
 }
+
+#[test]
+fn a_gif_has_its_limit() {
+    let folder = Folder::new("gif_rate");
+    folder.write("p.ghyll", "fn pixel(p: vec2) -> f32 = 0.5;");
+    let line = "render p.ghyll --on cpu --size 2x2 --frames 0..2 --fps";
+    folder.ghyll(&format!("{line} 51 -o a.gif")).failed(2, &["--fps 51", "at most 50", ".apng"]);
+    assert!(!folder.path("a.gif").exists());
+    folder.ghyll(&format!("{line} 50 -o a.gif")).printed();
+    folder.ghyll(&format!("{line} 1000 -o a.apng")).printed();
+}

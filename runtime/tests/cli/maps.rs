@@ -91,3 +91,21 @@ fn what_is_no_map_is_refused() {
         (512, 512, Terrain::builtin().crs.unwrap().epsg)
     );
 }
+
+#[test]
+fn a_picture_of_a_map_tells_what_it_cannot_hold() {
+    let folder = Folder::new("map_clamped");
+    folder.write("p.ghyll", "use terrain; fn map(p: vec2) -> f32 = nearest(p) / 10.0;");
+    folder.write("dem.tif", geotiff((4, 3), (1000.0, 2000.0), 32654, |c, _| 5.0 * c as f32));
+    let said = |file: &str| {
+        let ended = folder.ghyll(&format!("map p.ghyll --dem dem.tif --on cpu -o {file}"));
+        ended.printed();
+        ended.err
+    };
+    let png = said("m.png");
+    assert!(
+        png.contains("3 of the map's 12 numbers") && png.contains("m.png") && png.contains(".tif"),
+        "{png}"
+    );
+    assert!(!said("m.tif").contains("outside"));
+}

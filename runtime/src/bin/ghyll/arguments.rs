@@ -301,9 +301,9 @@ pub struct Tuning {
     /// Let the tuner choose without these limits too: the best picture within --max-memory.
     #[arg(long, conflicts_with = "preset")]
     pub tune: bool,
-    /// File that keeps what the tuner measured; what is found there is not measured again.
-    #[arg(long, value_name = "FILE", default_value = "ghyll.tuning.json")]
-    pub tuning: PathBuf,
+    /// File that keeps what the tuner measured, `ghyll.tuning.json` if absent; what is found there is not measured again.
+    #[arg(long, value_name = "FILE")]
+    pub tuning: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -475,7 +475,16 @@ pub struct Bench {
     pub output: Option<PathBuf>,
 }
 
-/// Makes `--stats json` and bare `--stats` both unmistakable for the parser.
+/// Whether a word is the value of the option before it.
+type IsValue = fn(&str) -> bool;
+
+/// Options whose value may be left out.
+const OPTIONAL: [(&str, IsValue); 2] = [
+    ("--stats", |next| next == "json" || next == "text"),
+    ("--curvature", |next| next.parse::<f64>().is_ok()),
+];
+
+/// Makes `--stats json` and bare `--stats` both unmistakable for the parser, and `--curvature` alike.
 pub fn prepared(raw: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut prepared = Vec::new();
     let mut raw = raw.peekable();
@@ -485,14 +494,19 @@ pub fn prepared(raw: impl Iterator<Item = OsString>) -> Vec<OsString> {
             prepared.extend(raw);
             break;
         }
-        if argument == "--stats" && raw.peek().is_some_and(|next| next == "json" || next == "text") {
-            let format = raw.next().unwrap_or_default();
-            let mut joined = OsString::from("--stats=");
-            joined.push(format);
-            prepared.push(joined);
-        } else {
-            prepared.push(argument);
-        }
+        let value = OPTIONAL
+            .iter()
+            .find(|(option, _)| argument == *option)
+            .and_then(|(_, is_value)| raw.next_if(|next| next.to_str().is_some_and(is_value)));
+        prepared.push(match value {
+            Some(value) => {
+                let mut joined = argument;
+                joined.push("=");
+                joined.push(value);
+                joined
+            }
+            None => argument,
+        });
     }
     prepared
 }
@@ -564,7 +578,7 @@ fn decibels(text: &str) -> Result<f64, String> {
 
 fn refraction(text: &str) -> Result<f64, String> {
     let [k] = numbers::<1>(text, "a number")?;
-    if (0.0..1.0).contains(&k) { Ok(k) } else { Err("must lie between 0 and 1".into()) }
+    if (0.0..1.0).contains(&k) { Ok(k) } else { Err("must be at least 0 and less than 1".into()) }
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -596,7 +610,8 @@ fn spacing(text: &str) -> Result<[f64; 2], String> {
 
 fn angle(text: &str) -> Result<f64, String> {
     let [degrees] = numbers::<1>(text, "an angle in degrees")?;
-    if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err("must lie between 0 and 180".into()) }
+    let mend = "must be more than 0 and less than 180; in a panorama 180 at most";
+    if degrees > 0.0 && degrees <= 180.0 { Ok(degrees) } else { Err(mend.into()) }
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -641,6 +656,8 @@ mod tests {
         assert_eq!(prepare(&["g", "--stats", "json", "f"]), ["g", "--stats=json", "f"]);
         assert_eq!(prepare(&["g", "--stats", "f"]), ["g", "--stats", "f"]);
         assert_eq!(prepare(&["g", "--", "--stats", "json"]), ["g", "--", "--stats", "json"]);
+        assert_eq!(prepare(&["g", "--curvature", "0.13", "f"]), ["g", "--curvature=0.13", "f"]);
+        assert_eq!(prepare(&["g", "--curvature", "f"]), ["g", "--curvature", "f"]);
     }
 
     /// Every command and every option is in the reference manual.

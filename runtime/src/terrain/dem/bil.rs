@@ -15,7 +15,13 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
     parse(file, bytes, &text, options)
 }
 
-fn parse(file: &str, bytes: &[u8], header: &str, options: &DemOptions) -> Result<Terrain, DemError> {
+/// The samples with the text of the header.
+pub(super) fn parse(
+    file: &str,
+    bytes: &[u8],
+    header: &str,
+    options: &DemOptions,
+) -> Result<Terrain, DemError> {
     let get = |key: &str| {
         header.lines().find_map(|line| {
             let mut words = line.split_ascii_whitespace();
@@ -46,6 +52,10 @@ fn parse(file: &str, bytes: &[u8], header: &str, options: &DemOptions) -> Result
         ));
     }
     check_claim(file, (width.into(), height.into()), sample, bytes.len() as u64, false)?;
+    let held = bytes.len() as u64 / sample;
+    if held > u64::from(width) * u64::from(height) {
+        return Err(DemError::too_many(file, held, &[width.into(), height.into()]));
+    }
     let data = &bytes[..(u64::from(width) * u64::from(height) * sample) as usize];
     let big = get("byteorder").is_some_and(|order| order.eq_ignore_ascii_case("m"));
     let short =
@@ -60,6 +70,14 @@ fn parse(file: &str, bytes: &[u8], header: &str, options: &DemOptions) -> Result
         _ => Values::U16(data.chunks_exact(2).map(short).collect()),
     };
     let step = [number("xdim").unwrap_or(1.0), number("ydim").unwrap_or(1.0)];
+    if let Some(size) = step.into_iter().find(|size| !(size.is_finite() && *size > 0.0)) {
+        let what = format!("its header says that samples are {size} apart");
+        return Err(DemError::unsupported(
+            file,
+            what,
+            "correct `xdim` and `ydim` in it: they are distances above 0",
+        ));
+    }
     let place = number("ulxmap").zip(number("ulymap")).map(|(west, north)| Georeference {
         epsg: None,
         geographic: step[0] < 0.1 && west.abs() <= 360.0 && north.abs() <= 90.0,

@@ -9,9 +9,9 @@ use crate::terrain::geotags::{
     GEOGRAPHIC_CRS, GeoKeys, MODEL_TYPE, PIXEL_IS_POINT, PROJECTED_CRS, RASTER_TYPE,
 };
 use std::io::Cursor;
-use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
+use tiff::{ColorType, TiffUnsupportedError};
 
 const GDAL_NODATA: Tag = Tag::Unknown(42113);
 
@@ -20,6 +20,9 @@ const VERTICAL_UNITS: u16 = 4099;
 
 /// Metres in the linear units that occur, by EPSG code.
 const UNITS: &[(u16, f64)] = &[(9001, 1.0), (9002, 0.3048), (9003, 1200.0 / 3937.0), (9036, 1000.0)];
+
+/// Sample formats of complex integers and of complex floats.
+const COMPLEX: [u16; 2] = [5, 6];
 
 type Tiff<'a> = Decoder<Cursor<&'a [u8]>>;
 
@@ -138,6 +141,12 @@ pub(in crate::terrain) fn decode(file: &str, bytes: &[u8]) -> Result<Decoded, De
 /// The file's fault or ours.
 fn explain(file: &str, error: tiff::TiffError) -> DemError {
     match error {
+        tiff::TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedSampleFormat(formats))
+            if formats.iter().any(|format| COMPLEX.contains(&format.to_u16())) =>
+        {
+            let mend = "write their real part, or their amount, as float32";
+            DemError::unsupported(file, "its samples are complex numbers", mend)
+        }
         tiff::TiffError::UnsupportedError(what) => {
             let mend = "rewrite it uncompressed, or with deflate, LZW, packbits or zstd compression";
             DemError::unsupported(file, what, mend)
@@ -145,7 +154,7 @@ fn explain(file: &str, error: tiff::TiffError) -> DemError {
         tiff::TiffError::LimitsExceeded => {
             DemError::lying(file, "its tags or strips are larger than its picture")
         }
-        other => DemError::truncated(file, other),
+        other => DemError::damaged(file, "TIFF", &other),
     }
 }
 

@@ -31,6 +31,15 @@ impl Array<'_> {
         }
     }
 
+    /// Refuses numbers behind those of the shape, which has been looked at.
+    pub fn check_end(&self) -> Result<(), DemError> {
+        let held = self.data.len() as u64 / self.sample()?;
+        match held > self.shape.iter().product() {
+            true => Err(DemError::too_many(self.file, held, &self.shape)),
+            false => Ok(()),
+        }
+    }
+
     pub fn is_bytes(&self) -> bool {
         self.descr.ends_with("u1")
     }
@@ -48,6 +57,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         return Err(DemError::unsupported(file, format!("its shape is {:?}", array.shape), MEND));
     };
     check_claim(file, (width, height), array.sample()?, array.data.len() as u64, false)?;
+    array.check_end()?;
     Grid {
         width: width as u32,
         height: height as u32,

@@ -5,8 +5,7 @@ use super::{DemError, DemOptions, check_claim, grey_range};
 use crate::terrain::field::Terrain;
 
 pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
-    let (fields, start) = header(bytes).ok_or_else(|| DemError::truncated(file, "its header is cut off"))?;
-    let [width, height, white] = fields;
+    let ([width, height, white], start) = header(file, bytes)?;
     if !(1..=65535).contains(&white) {
         return Err(DemError::lying(file, format!("its white is {white}")));
     }
@@ -36,21 +35,30 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
 }
 
 /// Width, height and white behind the magic number, and where the samples begin.
-fn header(bytes: &[u8]) -> Option<([u64; 3], usize)> {
+fn header(file: &str, bytes: &[u8]) -> Result<([u64; 3], usize), DemError> {
+    let short = || DemError::truncated(file, "its header is cut off");
     let mut at = 2;
     let mut fields = [0u64; 3];
-    for field in &mut fields {
+    for (field, name) in fields.iter_mut().zip(["width", "height", "white"]) {
         loop {
-            match bytes.get(at)? {
-                b'#' => at += bytes[at..].iter().position(|b| *b == b'\n')?,
+            match bytes.get(at).ok_or_else(short)? {
+                b'#' => at += bytes[at..].iter().position(|b| *b == b'\n').ok_or_else(short)?,
                 c if c.is_ascii_whitespace() => at += 1,
                 _ => break,
             }
         }
-        let digits = bytes[at..].iter().take_while(|b| b.is_ascii_digit()).take(9).count();
-        *field = std::str::from_utf8(&bytes[at..at + digits]).ok()?.parse().ok()?;
+        let digits = bytes[at..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let text = std::str::from_utf8(&bytes[at..at + digits]).unwrap_or_default();
+        *field = match text.parse() {
+            Ok(number) => number,
+            Err(_) if digits > 0 => {
+                let what = format!("its {name} has {digits} digits");
+                return Err(DemError::TooLarge { file: file.to_owned(), what });
+            }
+            Err(_) => return Err(DemError::lying(file, format!("its header has no number for its {name}"))),
+        };
         at += digits;
     }
-    bytes.get(at).filter(|b| b.is_ascii_whitespace())?;
-    Some((fields, at + 1))
+    bytes.get(at).filter(|b| b.is_ascii_whitespace()).ok_or_else(short)?;
+    Ok((fields, at + 1))
 }

@@ -7,7 +7,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, codecs::png::PngDecoder};
 use std::io::Cursor;
 
 pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Terrain, DemError> {
-    let bad = |e: image::ImageError| DemError::truncated(file, e);
+    let bad = |e: image::ImageError| DemError::damaged(file, "PNG", &e);
     let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(bad)?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();

@@ -158,6 +158,103 @@ fn unknown_and_empty_files_say_so() {
     assert!(matches!(open(Path::new("/"), &spaced()), Err(DemError::Unsupported { .. })));
 }
 
+/// An archive with its directory, nothing packed.
+fn archive(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
+    for (name, data) in files {
+        let at = bytes.len() as u32;
+        let sizes = [(data.len() as u32).to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        let about =
+            [&[20u8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0], &sizes[..], &[name.len() as u8, 0, 0, 0]]
+                .concat();
+        bytes.extend([&b"PK\x03\x04"[..], &about, name.as_bytes(), data].concat());
+        let entry = [&b"PK\x01\x02\x14\0"[..], &about, &[0; 10], &at.to_le_bytes(), name.as_bytes()].concat();
+        directory.extend(entry);
+    }
+    let count = files.len() as u8;
+    let (size, at) = (directory.len() as u32, bytes.len() as u32);
+    let end = [
+        &b"PK\x05\x06"[..],
+        &[0, 0, 0, 0, count, 0, count, 0],
+        &size.to_le_bytes(),
+        &at.to_le_bytes(),
+        &[0, 0],
+    ];
+    bytes.extend(directory);
+    bytes.extend(end.concat());
+    bytes
+}
+
+#[test]
+fn an_archive_gives_its_grid_wherever_it_stands() {
+    let grid = b"ncols 2\nnrows 2\ncellsize 5\n1 2\n3 4\n".as_slice();
+    let expected = [Some(1.0), Some(2.0), Some(3.0), Some(4.0)];
+    let bytes = archive(&[("about.txt", b"hello"), ("a/", b""), ("a/g.asc", grid)]);
+    assert_eq!(heights(&read("a.zip", &bytes, &spaced()).unwrap()), expected);
+    let header = b"NROWS 2\nNCOLS 2\nNBITS 16\nPIXELTYPE SIGNEDINT\n".as_slice();
+    let shorts = [1, 0, 2, 0, 3, 0, 4, 0];
+    let bytes = archive(&[("a/g.bil", &shorts), ("a/g.HDR", header)]);
+    assert_eq!(heights(&read("a.zip", &bytes, &spaced()).unwrap()), expected);
+    let refused =
+        |files: &[(&str, &[u8])]| read("a.zip", &archive(files), &spaced()).unwrap_err().to_string();
+    for (files, parts) in [
+        (&[("g.asc", grid), ("h.asc", grid)][..], ["several", "g.asc, h.asc"]),
+        (&[("about.txt", b"hello"), ("b.xml", b"")], ["no grid", "about.txt, b.xml"]),
+        (&[("a/g.bil", &shorts), ("c.txt", b"")], ["a/g.bil without", "a/g.hdr"]),
+        (&[("g.asc", &grid[..grid.len() - 3]), ("c.txt", b"")], ["a.zip/g.asc", "3 of 4"]),
+        (&[], ["a.zip", "is not elevation data"]),
+    ] {
+        let error = refused(files);
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+}
+
+/// Each names the file and says in the user's words what is wrong and what to do.
+#[test]
+fn faults_are_told_in_words_of_their_own() {
+    let grid =
+        |size: &str, numbers: &str| format!("ncols 2\nnrows 2\ncellsize {size}\n{numbers}\n").into_bytes();
+    let header = "NROWS 2\nNCOLS 2\nNBITS 16\nPIXELTYPE SIGNEDINT\n";
+    let png = grey_png(40, 40, &(0..1600).collect::<Vec<u16>>());
+    let mut flipped = png.clone();
+    flipped[png.len() / 2] ^= 0x55;
+    let mut complex = tiff_bytes();
+    // The entry of the sample format: tag, type, count.
+    let entry = [339u16, 3, 1, 0].map(u16::to_le_bytes).concat();
+    let at = complex.windows(8).position(|w| w == entry).unwrap();
+    complex[at + 8] = 6;
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut gzip, &png).unwrap();
+    let gzip = gzip.finish().unwrap();
+    let cases: &[(&str, Vec<u8>, &[&str])] = &[
+        ("a.asc", grid("5", "1 2 3 4 5 6"), &["6 numbers", "2 x 2 = 4"]),
+        ("a.npy", npy("<i2", "(2, 2)", &[0; 14]), &["7 numbers", "2 x 2 = 4"]),
+        ("a.asc", grid("-5", "1 2 3 4"), &["-5 apart", "`cellsize`"]),
+        ("a.asc", grid("0", "1 2 3 4"), &["0 apart", "`cellsize`"]),
+        ("a.asc", grid("nan", "1 2 3 4"), &["NaN apart", "`cellsize`"]),
+        ("a.pgm", b"P5 99999999999999999999999 2 255\n1234".to_vec(), &["too large", "width has 23 digits"]),
+        ("a.pgm", b"P5 -3 2 255\n1234".to_vec(), &["no number for its width"]),
+        ("a.png", png[..png.len() / 2].to_vec(), &["PNG data ends too early", "get the file again"]),
+        ("a.png", flipped, &["PNG data does not fit", "get the file again"]),
+        ("a.tif", complex, &["complex numbers", "float32"]),
+        ("a.png.gz", gzip[..gzip.len() / 2].to_vec(), &["gzip data ends too early", "get the file again"]),
+        ("a.hdr", header.into(), &["header of a grid", "a.bil"]),
+    ];
+    for (name, bytes, parts) in cases {
+        let error = read(name, bytes, &spaced()).unwrap_err().to_string();
+        assert!(parts.iter().chain([name]).all(|part| error.contains(part)), "{error}");
+        let raw = ["failed to fill", "CRC", "Sample format", "sample format", "[Unknown", "unexpected end"];
+        assert!(raw.iter().all(|words| !error.contains(words)), "{error}");
+    }
+    let error = bil::parse("a.bil", &[0; 10], header, &spaced()).unwrap_err().to_string();
+    assert!(error.contains("5 numbers") && error.contains("a.bil"), "{error}");
+    // What a packed file holds is told under the name that was given.
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut packed, &grid("5", "1 2 3")).unwrap();
+    let error = read("a.asc.gz", &packed.finish().unwrap(), &spaced()).unwrap_err().to_string();
+    assert!(error.contains("a.asc.gz") && error.contains("3 of 4"), "{error}");
+}
+
 /// Damages copies of small files of every format; each must be read or refused, whatever it holds.
 #[test]
 fn damaged_files_never_panic() {
@@ -171,6 +268,7 @@ fn damaged_files_never_panic() {
         ("a.asc", b"ncols 2\nnrows 2\ncellsize 5\nNODATA_value -9999\n1 2\n3 4\n".to_vec()),
         ("a.f32", floats),
         ("a.pgm", b"P5 2 2 1000\n12345678".to_vec()),
+        ("a.zip", archive(&[("about.txt", b"hello"), ("a.pgm", b"P5 2 2 255\n1234")])),
     ];
     for name in [
         "derived/alps256_i16_tile64_deflate_p2.tif",

@@ -46,6 +46,14 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
         (None, Some(dx), Some(dy)) => [dx, dy],
         _ => return Err(DemError::lying(file, "its header has no `cellsize`")),
     };
+    if let Some(size) = step.into_iter().find(|size| !(size.is_finite() && *size > 0.0)) {
+        let what = format!("its header says that samples are {size} apart");
+        return Err(DemError::unsupported(
+            file,
+            what,
+            "correct `cellsize` (or `dx` and `dy`) in it: it is a distance above 0",
+        ));
+    }
     let place = georeference(&get, step, height);
     let spacing = options.spacing.unwrap_or_else(|| match &place {
         Some(place) if place.geographic => {
@@ -65,6 +73,11 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &DemOptions) -> Result<Ter
             file,
             format!("it has {} of {} samples", values.len(), width * height),
         ));
+    }
+    let more = words.count();
+    if more > 0 {
+        let held = values.len() + more;
+        return Err(DemError::too_many(file, held as u64, &[width, height]));
     }
     let whole = values.iter().all(|v| v.fract() == 0.0 && v.abs() < 1e9);
     Grid {

@@ -24,9 +24,9 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Raster, DemError> {
 }
 
 fn picture(file: &str, bytes: &[u8]) -> Result<Raster, DemError> {
-    let bad = |e: image::ImageError| DemError::truncated(file, e);
+    let bad = |e: image::ImageError| DemError::damaged(file, "image", &e);
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let reader = reader.map_err(|e| DemError::truncated(file, e))?;
+    let reader = reader.map_err(|e| DemError::damaged(file, "image", &e))?;
     let decoder = reader.into_decoder().map_err(bad)?;
     let (width, height) = decoder.dimensions();
     let texel = u64::from(decoder.color_type().bytes_per_pixel());
@@ -78,6 +78,7 @@ fn array(file: &str, bytes: &[u8]) -> Result<Raster, DemError> {
         }
     };
     dem::check_held(file, (width, height), array.sample()? * components, array.data.len() as u64, false)?;
+    array.check_end()?;
     let count = (width * height * components) as usize;
     let (width, height, components) = (width as u32, height as u32, components as u32);
     let numbers = Numbers { width, height, components, place: None, nodata: None };

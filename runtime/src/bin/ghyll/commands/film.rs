@@ -75,14 +75,14 @@ impl Film {
     pub fn turn(&self, frame: i64) -> f64 {
         360.0 * (frame - self.frames.start) as f64 / (self.frames.end - self.frames.start) as f64
     }
+}
 
-    /// The file of one frame: `out.png` becomes `out-0007.png`.
-    pub fn file(&self, output: &Path, frame: i64) -> PathBuf {
-        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-        let ending = output.extension().unwrap_or_default().to_string_lossy();
-        let sign = if frame < 0 { "m" } else { "" };
-        output.with_file_name(format!("{stem}-{sign}{:04}.{ending}", frame.unsigned_abs()))
-    }
+/// The file of one frame: `out.png` becomes `out-0007.png`.
+pub fn numbered(output: &Path, frame: i64) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = output.extension().unwrap_or_default().to_string_lossy();
+    let sign = if frame < 0 { "m" } else { "" };
+    output.with_file_name(format!("{stem}-{sign}{:04}.{ending}", frame.unsigned_abs()))
 }
 
 /// Sets what the preset says and the program can hold, but for what is set already, and tells what that is.

@@ -5,6 +5,7 @@ use crate::arguments::Map;
 use crate::failure::Failure;
 use crate::report;
 use ghyll_compiler::compile::EntryKind;
+use ghyll_runtime::image;
 use ghyll_runtime::machine::Job;
 
 pub fn map(arguments: &Map) -> Result<(), Failure> {
@@ -28,6 +29,16 @@ pub fn map(arguments: &Map) -> Result<(), Failure> {
     let outcome = job.map(&machine, &config);
     progress.finish();
     let (map, stats) = outcome.map_err(Failure::run)?;
+    let clamped = map.clamped();
+    if clamped > 0 && image::Format::of(&arguments.output).is_ok_and(|format| !format.holds_floats()) {
+        eprintln!(
+            "{} of the map's {} numbers lie outside 0 to 1 and become black or white in {}; write .tif, .npy or .exr to keep \
+             them",
+            clamped,
+            map.image().data.len(),
+            arguments.output.display()
+        );
+    }
     map.save(&arguments.output).map_err(|e| Failure::Usage(e.to_string()))?;
     let (width, height) = (map.image().width, map.image().height);
     eprintln!("wrote {} ({width}x{height}, {:.2} s)", arguments.output.display(), stats.total.as_secs_f64());

@@ -31,6 +31,7 @@ use ghyll_runtime::files::{self, Disk};
 use ghyll_runtime::image;
 use ghyll_runtime::machine::evaluate_argument;
 use ghyll_runtime::value::Value;
+use std::fs::File;
 use std::path::Path;
 
 /// Reads a program's text; `-` is standard input.
@@ -44,6 +45,11 @@ fn writable(output: &Path, film: bool) -> Result<(), Failure> {
     if !film {
         image::Format::of(output).map_err(|e| Failure::Usage(e.to_string()))?;
     }
+    writable_file(output)
+}
+
+/// A file that cannot be written is known before the work is done whose outcome it is to hold.
+fn writable_file(output: &Path) -> Result<(), Failure> {
     let shown = output.display();
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
@@ -54,7 +60,16 @@ fn writable(output: &Path, film: bool) -> Result<(), Failure> {
     if output.is_dir() {
         return Err(Failure::Usage(format!("cannot write {shown}: it is a folder; name a file in it")));
     }
-    Ok(())
+    // Only a trial tells. What is there is kept, what was not there is taken away again.
+    let tried = match output.try_exists() {
+        Ok(true) if output.is_file() => File::options().append(true).open(output).map(drop),
+        Ok(true) => Ok(()),
+        Ok(false) => File::create_new(output).and_then(|_| std::fs::remove_file(output)),
+        Err(error) => Err(error),
+    };
+    tried.map_err(|error| {
+        Failure::Usage(format!("cannot write {shown}: {error}; check its permissions, or name another file"))
+    })
 }
 
 /// Parses and checks a program, showing its warnings.

@@ -1,6 +1,6 @@
 //! `ghyll render`: a picture of an image entry, or a film of it.
 
-use super::film::Film;
+use super::film::{self, Film};
 use super::{baking, checked, compiled_as, machine, read, scene, tune, writable};
 use crate::arguments::Render;
 use crate::failure::Failure;
@@ -20,7 +20,22 @@ const EXAMPLE: &str = include_str!("../../../../../lang-examples/fuji.ghyll");
 
 pub fn render(arguments: &Render) -> Result<(), Failure> {
     let film_format = FilmFormat::of(&arguments.output).filter(|_| arguments.frames.is_some());
-    writable(&arguments.output, film_format.is_some())?;
+    match arguments.frames {
+        Some([first, _]) if film_format.is_none() => {
+            writable(&film::numbered(&arguments.output, first), false)?
+        }
+        _ => writable(&arguments.output, film_format.is_some())?,
+    }
+    if let Some(fastest) =
+        film_format.and_then(FilmFormat::fastest).filter(|fastest| arguments.fps > *fastest)
+    {
+        return Err(Failure::Usage(format!(
+            "--fps {}: {} shows at most {fastest} frames a second, for its format counts hundredths of a second and players \
+             slow down what is shorter than two; give --fps {fastest} or less, or write an .apng",
+            arguments.fps,
+            arguments.output.display()
+        )));
+    }
 
     let source = match &arguments.file {
         _ if arguments.show.is_some() => Source::new("beams.ghyll", BEAMS),
@@ -44,7 +59,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     };
     let mut opened = None;
     let mut tuned = None;
-    if let Some(limits) = tune::limits(arguments) {
+    if let Some(limits) = tune::limits(arguments)? {
         let (machine, config) = opened.insert(machine::open(&arguments.machine)?);
         let seat = (&*machine, &*config);
         let chosen = tune::tune(&checked, &options, arguments, looks[0], seat, limits)?;
@@ -110,7 +125,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
         };
         match (&mut open, &film) {
             (Some(open), _) => open.add(&picture),
-            (None, Some(film)) => picture.save(film.file(&arguments.output, frame)),
+            (None, Some(_)) => picture.save(film::numbered(&arguments.output, frame)),
             (None, None) => picture.save(&arguments.output),
         }
         .map_err(wrong)?;
@@ -127,7 +142,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
             let name = match film_format {
                 Some(_) => arguments.output.display().to_string(),
                 None => {
-                    let file = |frame| film.file(&arguments.output, frame).display().to_string();
+                    let file = |frame| film::numbered(&arguments.output, frame).display().to_string();
                     format!("{} to {}", file(film.frames.start), file(film.frames.end - 1))
                 }
             };
@@ -136,7 +151,7 @@ pub fn render(arguments: &Render) -> Result<(), Failure> {
     }
     if arguments.program.json {
         let files = match (&film, film_format) {
-            (Some(film), None) => film.frames.clone().map(|t| film.file(&arguments.output, t)).collect(),
+            (Some(film), None) => film.frames.clone().map(|t| film::numbered(&arguments.output, t)).collect(),
             _ => vec![arguments.output.clone()],
         };
         report::wrote(&files, size, seconds, &machine, tuned.map(|tuned| tuned.json()));

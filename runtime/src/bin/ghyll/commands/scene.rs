@@ -7,15 +7,34 @@ use ghyll_compiler::compile::{Compiled, EntryKind};
 use ghyll_compiler::front::Checked;
 use ghyll_runtime::rasters::{self, BindError};
 use ghyll_runtime::terrain::{
-    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Raster, Scene, SceneError, SceneOptions,
-    Stand, Sun, Terrain, View, Voids, sun,
+    DemError, DemOptions, Encoding, Micro, NAMED_FOV, NamedView, Projection, Raster, Scene, SceneError,
+    SceneOptions, Stand, Sun, Terrain, View, Voids, sun,
 };
+use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Reads the elevation data, or takes the built-in field.
 pub fn terrain(arguments: &TerrainArguments) -> Result<Terrain, Failure> {
-    open(arguments.dem.as_deref(), &arguments.reading)
+    let terrain = open(arguments.dem.as_deref(), &arguments.reading)?;
+    match &arguments.dem {
+        Some(file) if terrain.voids == terrain.samples.len() => Err(nothing(file, &terrain)),
+        _ => Ok(terrain),
+    }
+}
+
+/// A field without a height: there is nothing to look at.
+fn nothing(file: &Path, terrain: &Terrain) -> Failure {
+    let stands = match terrain.nodata {
+        Some(number) => format!(" ({number} stands for a missing one)"),
+        None => String::new(),
+    };
+    Failure::Input(format!(
+        "{} holds no height: each of its {} samples is missing{stands}; get other data, or say with --nodata NUMBER \
+         what stands for a missing sample",
+        file.display(),
+        terrain.samples.len()
+    ))
 }
 
 fn encoding(name: &str) -> Option<Encoding> {
@@ -75,6 +94,11 @@ pub fn look(arguments: &Camera, frame: Option<i64>, turn: Option<f64>) -> Result
     let target = at("--look-at", &arguments.look_at)?;
     let fov = at("--fov", &arguments.fov)?.map(|fov| fov[0]);
     let panorama = arguments.view.as_deref() == Some("panorama");
+    if fov == Some(180.0) && !panorama {
+        return Err(usage(
+            "--fov 180: a field of view is less than 180 degrees; only a panorama may have 180",
+        ));
+    }
     if arguments.view.is_some() && eye.is_some() && !panorama {
         return Err(usage("--view and --eye exclude each other, but for --view panorama"));
     }
@@ -149,13 +173,15 @@ pub struct Views {
     sun: Option<Sun>,
     curvature: Option<f64>,
     size: (u32, u32),
+    /// Whether an eye under the ground was told of: once is enough for a film.
+    buried: Cell<bool>,
 }
 
 impl Views {
     pub fn open(asked: &Asked, arguments: &Render, looks: Vec<Look>) -> Result<Views, Failure> {
         let camera = &arguments.camera;
         let panorama = camera.view.as_deref() == Some("panorama");
-        let [width, height] = camera.size.unwrap_or(if panorama { [2048, 1024] } else { [1024, 1024] });
+        let [width, height] = camera.size.unwrap_or(if panorama { [2048, 384] } else { [1024, 1024] });
         let size = (width, height);
         let exaggerate = arguments.terrain.exaggerate;
         let options = SceneOptions { view: looks[0].view, size, exaggerate, ..SceneOptions::default() };
@@ -168,7 +194,7 @@ impl Views {
         if let Some(below) = set.map(|sun| -sun.elevation).find(|below| *below > 0.0) {
             eprintln!("the sun is {below:.1} degrees below the horizon: it gives no light");
         }
-        Ok(Views { first, looks, sun, curvature: arguments.curvature, size })
+        Ok(Views { first, looks, sun, curvature: arguments.curvature, size, buried: Cell::new(false) })
     }
 
     pub fn size(&self) -> (u32, u32) {
@@ -198,6 +224,7 @@ impl Views {
         let options = SceneOptions { view: look.view, sun, ..*first.options() };
         let usage = |e: SceneError| Failure::Usage(e.to_string());
         let scene = first.with_options(&options).map_err(usage)?;
+        self.note_buried(&scene);
         let Some(k) = self.curvature else { return Ok(Some(scene)) };
         let view = View::of(scene.camera()).ok_or_else(|| {
             Failure::Usage(
@@ -208,6 +235,24 @@ impl Views {
         let curved = Arc::new(scene.terrain().curved([eye.x, eye.y], k));
         let scene = Scene::new(curved, &SceneOptions { view, ..options }).map_err(usage)?;
         Ok(Some(scene.with_layers(first.layers().clone()).with_micro(first.micro().clone())))
+    }
+}
+
+impl Views {
+    fn note_buried(&self, scene: &Scene) {
+        let exaggerate = scene.options().exaggerate;
+        let Some((depth, ground)) = scene.camera().buried(scene.terrain(), exaggerate) else { return };
+        if self.buried.replace(true) {
+            return;
+        }
+        let mend = match scene.camera().projection {
+            Projection::Panorama => "raise the Z of --eye, or leave it out to stand on the ground",
+            Projection::Perspective | Projection::Orthographic => "raise the Z of --eye",
+        };
+        eprintln!(
+            "the eye is {depth:.1} m under the ground, which is {ground:.1} m high there: all it sees is the ground's \
+             inside; {mend}"
+        );
     }
 }
 
@@ -296,5 +341,13 @@ fn binding(text: &str) -> Result<(&str, &str), Failure> {
     let (name, file) = text.split_once('=').ok_or_else(|| {
         Failure::Usage(format!("--raster {text}: expected NAME=FILE, such as --raster satellite=photo.png"))
     })?;
-    Ok((name.trim(), file.trim()))
+    match (name.trim(), file.trim()) {
+        ("", _) => {
+            Err(Failure::Usage(format!("--raster {text}: the name of the raster is missing before the `=`")))
+        }
+        (name, "") => Err(Failure::Usage(format!(
+            "--raster {text}: the file is missing; write --raster {name}=FILE, such as --raster {name}=photo.png"
+        ))),
+        named => Ok(named),
+    }
 }

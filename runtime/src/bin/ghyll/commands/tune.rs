@@ -1,7 +1,7 @@
 //! Operators for `ghyll render`, chosen by measurement.
 
-use super::refused;
 use super::scene::{Asked, Look, Views};
+use super::{refused, writable_file};
 use crate::arguments::{On, Render};
 use crate::failure::Failure;
 use ghyll_compiler::compile::{self, Options};
@@ -15,6 +15,7 @@ use ghyll_runtime::tuner::{
 };
 use serde_json::Value;
 use std::fmt::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 /// What was chosen, and the field if it was read.
@@ -29,15 +30,24 @@ impl Tuned {
     }
 }
 
-/// The limits that are given; none if nothing is to be chosen.
-pub fn limits(arguments: &Render) -> Option<Limits> {
+/// Where figures are kept.
+fn file(arguments: &Render) -> &Path {
+    arguments.tuning.tuning.as_deref().unwrap_or(Path::new("ghyll.tuning.json"))
+}
+
+/// The limits that are given; none if nothing is to be chosen. A file that could not keep the figures is refused before they
+/// are measured.
+pub fn limits(arguments: &Render) -> Result<Option<Limits>, Failure> {
     let tuning = &arguments.tuning;
-    let asked = tuning.tune || tuning.frame_ms.is_some() || tuning.min_psnr.is_some();
-    asked.then_some(Limits {
-        frame_ms: tuning.frame_ms,
-        min_psnr: tuning.min_psnr,
-        max_memory: arguments.machine.max_memory,
-    })
+    if !(tuning.tune || tuning.frame_ms.is_some() || tuning.min_psnr.is_some()) {
+        if let Some(file) = &tuning.tuning {
+            eprintln!("--tuning {} has no effect without --frame-ms, --min-psnr or --tune", file.display());
+        }
+        return Ok(None);
+    }
+    writable_file(file(arguments))?;
+    let (frame_ms, min_psnr, max_memory) = (tuning.frame_ms, tuning.min_psnr, arguments.machine.max_memory);
+    Ok(Some(Limits { frame_ms, min_psnr, max_memory }))
 }
 
 /// The best choice within the limits, for the look of the first frame.
@@ -68,16 +78,18 @@ pub fn tune(
     let size = first.size();
     drop(first);
 
-    let path = &arguments.tuning.tuning;
+    let path = file(arguments);
     let mut file = TuningFile::open(path).map_err(wrong)?;
     let known = file.find(&subject).map(<[Measured]>::to_vec);
     let all = match known {
         Some(all) => {
-            eprintln!("tuner: {} choices as measured before, of {}", all.len(), path.display());
+            let plural = if all.len() == 1 { "" } else { "s" };
+            eprintln!("tuner: {} choice{plural} as measured before, of {}", all.len(), path.display());
             all
         }
         None => {
-            eprintln!("tuner: measuring {} choices", choices.len());
+            let plural = if choices.len() == 1 { "" } else { "s" };
+            eprintln!("tuner: measuring {} choice{plural}", choices.len());
             let mut open = |choice: &tuner::Choice| {
                 let told = choice.apply(options);
                 let compiled =

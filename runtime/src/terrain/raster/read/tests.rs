@@ -62,6 +62,8 @@ fn arrays_keep_their_numbers_and_bytes_are_fractions() {
     assert!(wide.to_string().contains("1 to 4"), "{wide}");
     let short = read("a.npy", &npy("<f4", "(4, 4)", &floats)).unwrap_err();
     assert!(short.to_string().contains("4 x 4"), "{short}");
+    let long = read("a.npy", &npy("|u1", "(1, 2, 3)", &[0; 8])).unwrap_err();
+    assert!(long.to_string().contains("8 numbers") && long.to_string().contains("1 x 2 x 3 = 6"), "{long}");
 }
 
 /// Two texels of three bands, with a georeference and a nodata value.

@@ -285,13 +285,13 @@ mod tests {
             let verdict = |answer| judge(&site, *surface, &ray, answer);
             assert!(matches!(verdict(answer(real)), Verdict::Hit(e) if e < 1e-6));
             assert!(matches!(verdict(answer(real + 0.02)), Verdict::Hit(e) if e > 5e-4 && e < 7e-4));
-            assert_eq!(verdict(answer(real + 1.0)), Verdict::Missed);
-            assert_eq!(verdict(answer(real - 1.0)), Verdict::Phantom);
-            assert_eq!(verdict(Answer::default()), Verdict::Missed);
+            assert_eq!(verdict(answer(real + 1.0)), Verdict::Missed(Some(real)));
+            assert_eq!(verdict(answer(real - 1.0)), Verdict::Phantom(Some(real)));
+            assert_eq!(verdict(Answer::default()), Verdict::Missed(Some(real)));
             assert_eq!(verdict(answer(f64::NAN)), Verdict::Fault);
             assert_eq!(verdict(Answer { occluded: 0, ..answer(real) }), Verdict::Fault);
             let up = [500.0, 700.0, 9000.0, 0.0, 0.0, 1.0, 0.0, 1e9];
-            assert_eq!(judge(&site, *surface, &up, answer(5.0)), Verdict::Phantom);
+            assert_eq!(judge(&site, *surface, &up, answer(5.0)), Verdict::Phantom(None));
         }
     }
 
@@ -314,18 +314,18 @@ mod tests {
             [from[0] as f32, from[1] as f32, from[2] as f32, d[0] as f32, d[1] as f32, d[2] as f32, 0.0, 1e9];
         let out = [0.0, 0.5, 0.8];
         assert_eq!(passing(&corner, ray, 12.2, out, 0.5e-4), Verdict::Right);
-        assert_eq!(passing(&corner, ray, 12.2, out, 5e-4), Verdict::Phantom);
+        assert_eq!(passing(&corner, ray, 12.2, out, 5e-4), Verdict::Phantom(None));
 
         let peak = Site::new(fields::spikes().unwrap()).unwrap();
         let ray = [92.0, 54.0, 100.0, -0.000120120116, -0.00022022022, 0.99999994, 0.0, 1e9];
         // Across the ray, upright.
         let out = [0.48, 0.88, 0.00025];
         assert_eq!(passing(&peak, ray, 99900.0, out, 0.5e-4), Verdict::Right);
-        assert_eq!(passing(&peak, ray, 99900.0, out, 5e-4), Verdict::Phantom);
+        assert_eq!(passing(&peak, ray, 99900.0, out, 5e-4), Verdict::Phantom(None));
         // So steep a flank that the ray is under the peak's height nowhere beside it.
         let ray = [114.63763, 118.86727, 95094.055, -0.012765795, -0.011589774, 0.99985135, 0.0, 1e9];
         let t = 4906.675;
         assert_eq!(passing(&peak, ray, t, [0.0; 3], 0.0), Verdict::Right);
-        assert_eq!(passing(&peak, ray, t, [0.67, -0.74, 0.0], 5e-4), Verdict::Phantom);
+        assert_eq!(passing(&peak, ray, t, [0.67, -0.74, 0.0], 5e-4), Verdict::Phantom(None));
     }
 }

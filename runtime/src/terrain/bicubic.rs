@@ -94,8 +94,7 @@ fn steps([a, b, c, d]: [f32; 4]) -> [f32; 3] {
 fn hull(rows: [[f32; 4]; 4]) -> [f32; 2] {
     let along = rows.map(steps);
     let mut found = [f32::MAX, f32::MIN];
-    for k in 0..3 {
-        let across = [along[0][k], along[1][k], along[2][k], along[3][k]];
+    for across in [0, 1, 2].map(|k| along.map(|row| row[k])) {
         let [first, second, _] = steps(across);
         let b = across[1] + first;
         for z in [across[1], b, b + second, across[2]] {

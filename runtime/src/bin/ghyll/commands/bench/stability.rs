@@ -16,7 +16,7 @@ use fields::MOVED;
 use fields::Site;
 use ghyll_runtime::gpu::Gpu;
 use ghyll_runtime::terrain::Terrain;
-use judge::{Answer, SURFACES, Surface, Verdict, judge};
+use judge::{Answer, SURFACES, Surface, Verdict, judge, truth};
 use random::Random;
 use rayon::prelude::*;
 use rays::{Family, Ray};
@@ -261,13 +261,18 @@ fn traced(
         for first in (0..count).step_by(BATCH) {
             let batch = (count - first).min(BATCH as u64);
             let rays: Vec<Ray> = (0..batch).map(|_| (hazard.rays)(site, &mut random)).collect();
+            let truths: Vec<Option<f64>> =
+                rays.par_iter().map(|ray| truth(site, surface, &ray.map(f64::from))).collect();
+            let mut judged = Judged::default();
             if machines.cpu {
                 let answers = rays.par_iter().map(|ray| twin(site, surface, ray)).collect();
-                judged(site, surface, &rays, answers, &mut cpu);
+                judged = judged.judge((site, surface), &rays, &truths, answers);
+                judged.count(&rays, &mut cpu);
             }
             if let Some(tracer) = &tracer {
                 let answers = tracer.trace(&rays).map_err(Failure::Run)?;
-                judged(site, surface, &rays, answers, &mut gpu);
+                judged = judged.judge((site, surface), &rays, &truths, answers);
+                judged.count(&rays, &mut gpu);
             }
         }
         let name = format!("{}, {}", hazard.name, surface.name);
@@ -281,13 +286,29 @@ fn traced(
     Ok(rows)
 }
 
-fn judged(site: &Site, surface: Surface, rays: &[Ray], answers: Vec<Answer>, tally: &mut Tally) {
-    let verdict = |(ray, answer): (&Ray, &Answer)| judge(site, surface, ray, *answer);
-    let verdicts: Vec<Verdict> = rays.par_iter().zip(&answers).map(verdict).collect();
-    rays.iter()
-        .zip(answers)
-        .zip(verdicts)
-        .for_each(|((ray, answer), verdict)| tally.add(ray, answer, verdict));
+/// Answers of a batch with their verdicts.
+#[derive(Default)]
+struct Judged(Vec<(Answer, Verdict)>);
+
+impl Judged {
+    /// Verdicts on another machine's answers; an answer that is the same keeps the one it has.
+    fn judge(
+        self,
+        (site, surface): (&Site, Surface),
+        rays: &[Ray],
+        truths: &[Option<f64>],
+        answers: Vec<Answer>,
+    ) -> Judged {
+        let verdict = |(i, answer): (usize, Answer)| match self.0.get(i) {
+            Some((same, verdict)) if *same == answer => (answer, *verdict),
+            _ => (answer, judge(site, surface, &rays[i], truths[i], answer)),
+        };
+        Judged(answers.into_par_iter().enumerate().map(verdict).collect())
+    }
+
+    fn count(&self, rays: &[Ray], tally: &mut Tally) {
+        rays.iter().zip(&self.0).for_each(|(ray, (answer, verdict))| tally.add(ray, *answer, *verdict));
+    }
 }
 
 /// The twin's answer.

@@ -101,7 +101,8 @@ pub enum Verdict {
     Fault,
 }
 
-fn truth(site: &Site, surface: Surface, ray: &[f64; 8]) -> Option<f64> {
+/// The oracle's distance.
+pub fn truth(site: &Site, surface: Surface, ray: &[f64; 8]) -> Option<f64> {
     let mut out = [0.0; 2];
     let args: Vec<f64> = ray.iter().copied().chain(surface.parts.map(f64::from)).collect();
     site.scene.eval_f64(surface.trace, &args, &mut out);
@@ -114,8 +115,8 @@ fn rounding(t: f32) -> f64 {
     0.5 * (f64::from(next) - f64::from(t.abs()))
 }
 
-pub fn judge(site: &Site, surface: Surface, ray: &Ray, answer: Answer) -> Verdict {
-    let real = truth(site, surface, &ray.map(f64::from));
+/// `real` is the oracle's distance of this ray.
+pub fn judge(site: &Site, surface: Surface, ray: &Ray, real: Option<f64>, answer: Answer) -> Verdict {
     let slope = |at: [f64; 2]| {
         let mut slope = [0.0; 2];
         let [x, y] = at;
@@ -282,7 +283,7 @@ mod tests {
         for surface in SURFACES {
             let real = truth(&site, *surface, &wide).unwrap();
             let answer = |t: f64| Answer { hit: 1, distance: (t as f32).to_bits(), occluded: 1 };
-            let verdict = |answer| judge(&site, *surface, &ray, answer);
+            let verdict = |answer| judge(&site, *surface, &ray, Some(real), answer);
             assert!(matches!(verdict(answer(real)), Verdict::Hit(e) if e < 1e-6));
             assert!(matches!(verdict(answer(real + 0.02)), Verdict::Hit(e) if e > 5e-4 && e < 7e-4));
             assert_eq!(verdict(answer(real + 1.0)), Verdict::Missed(Some(real)));
@@ -291,7 +292,7 @@ mod tests {
             assert_eq!(verdict(answer(f64::NAN)), Verdict::Fault);
             assert_eq!(verdict(Answer { occluded: 0, ..answer(real) }), Verdict::Fault);
             let up = [500.0, 700.0, 9000.0, 0.0, 0.0, 1.0, 0.0, 1e9];
-            assert_eq!(judge(&site, *surface, &up, answer(5.0)), Verdict::Phantom(None));
+            assert_eq!(judge(&site, *surface, &up, None, answer(5.0)), Verdict::Phantom(None));
         }
     }
 
@@ -301,7 +302,7 @@ mod tests {
         (0..3).for_each(|k| ray[k] += (cells * site.cell() * away[k]) as f32);
         let answer = Answer { hit: 1, distance: (t as f32).to_bits(), occluded: 1 };
         assert_eq!(truth(site, SURFACES[0], &ray.map(f64::from)), None);
-        judge(site, SURFACES[0], &ray, answer)
+        judge(site, SURFACES[0], &ray, None, answer)
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Hazards of whole programs: false shadows, pictures that must be finite, fields that must be refused.
 
+use super::super::reference::PATIENCE;
 use super::super::{program, program_with};
 use super::fields::{self, Site};
 use super::{Machines, row};
@@ -66,9 +67,11 @@ fn counted(
     wrong: fn(f32) -> bool,
 ) -> Result<Vec<Value>, Failure> {
     let job = Job { checked, compiled, scene: Some(&site.scene) };
+    // A million points, and fields of a gigabyte, are more than a run may take unasked.
+    let config = Config { timeout: PATIENCE, max_memory: 8 << 30, ..Config::default() };
     let mut rows = Vec::new();
     let mut add = |machine: &Machine, backend: &str, adapter: &str| -> Result<(), Failure> {
-        let (image, _) = job.render(machine, (side, side), &Config::default()).map_err(Failure::run)?;
+        let (image, _) = job.render(machine, (side, side), &config).map_err(Failure::run)?;
         let count = image.data.iter().filter(|x| wrong(**x)).count();
         rows.push(row(name, backend, adapter, count as f64, 0.0, "components"));
         Ok(())

@@ -56,9 +56,11 @@ impl charts::Panel for Panel {
 
     fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
         let points = || self.curves.iter().flat_map(|(_, points)| points).chain([&self.trace]);
-        let ranges = (range(points().map(|p| p.0), 1.3), range(points().map(|p| p.1), 3.0));
+        // On the right there is room for the legend, which would hide points anywhere else.
+        let (left, right) = range(points().map(|p| p.0), 1.3);
+        let ranges = ((left, 5.0 * right), range(points().map(|p| p.1), 3.0));
         let labels = (
-            &Label { text: "ms a frame", number: plain, base: 10.0 },
+            &Label { text: "ms a frame", number: plain, base: 2.0 },
             &Label { text: "error, footprints", number: powers, base: 10.0 },
         );
         let mut chart = axes(area, &self.title, labels, ranges)?;
@@ -77,6 +79,6 @@ impl charts::Panel for Panel {
             .label("front")
             .legend(|(x, y)| Circle::new((x + 8, y), 6, BLACK.stroke_width(1)));
         chart.draw_series(self.front.iter().map(|p| Circle::new(*p, 7, BLACK.stroke_width(1))))?;
-        legend(&mut chart, SeriesLabelPosition::LowerLeft)
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
 }

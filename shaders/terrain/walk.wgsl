@@ -138,7 +138,8 @@ fn terrain_reach_SURFACE(ray: TerrainRay, corner: vec2<i32>, height: f32, s: f32
 // The world's t. A root is as exact as the way through a cell is long and as its corners are far apart; one step of Newton's
 // method, seen from the nearest corner, makes it as exact as heights there are. It is left out where it is more than such
 // roundings: there the ray grazes, or it came in under the surface, at a wall along the rim or a void. Then it is one step to
-// the wall, for distances to planes are only as exact as the way from a base.
+// the wall, for distances to planes are only as exact as the way from a base. Beside a sample the ray may so come into a cell
+// a little under its surface, which is no wall.
 fn terrain_settled_SURFACE(ray: TerrainRay, node: vec2<i32>, met: vec2<f32>) -> f32 {
     let samples = terrain_samples_SURFACE(vec2<u32>(node));
     let at = terrain_sum(met.x, met.y);
@@ -151,7 +152,8 @@ fn terrain_settled_SURFACE(ray: TerrainRay, node: vec2<i32>, met: vec2<f32>) -> 
     let step = -over.x / over.y;
     let inverse = abs(ray.inverse);
     let rounded = abs(over.x) <= TERRAIN_ROUNDED_SURFACE * (range.y - range.x);
-    let most = select(2e-6, 1e-5, rounded) * min(inverse.x, inverse.y);
+    let cell = min(inverse.x, inverse.y);
+    let most = select(2e-6 * cell + 1.2e-7 * met.x, 1e-5 * cell, rounded);
     let base = terrain_sum(ray.start, at.x);
     let t = base.x + (base.y + at.y);
 

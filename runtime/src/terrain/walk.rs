@@ -287,7 +287,8 @@ fn reach(ray: &GridRay, at: [i32; 2], corner: f32, s: f32, more: [f32; 3], lengt
 /// The world's t. A root is as exact as the way through a cell is long and as its corners are far apart; one step of Newton's
 /// method, seen from the nearest corner, makes it as exact as heights there are. It is left out where it is more than such
 /// roundings: there the ray grazes, or it came in under the surface, at a wall along the rim or a void. Then it is one step to
-/// the wall, for distances to planes are only as exact as the way from a base.
+/// the wall, for distances to planes are only as exact as the way from a base. Beside a sample the ray may so
+/// come into a cell a little under its surface, which is no wall.
 fn settle<H: Heights, P: Patch>(
     scene: &SceneUniform,
     heights: &H,
@@ -307,7 +308,8 @@ fn settle<H: Heights, P: Patch>(
     let [lowest, highest] = P::range(&samples);
     let step = -over / change;
     let rounded = over.abs() <= P::ROUNDED * (highest - lowest);
-    let most = if rounded { 1e-5 } else { 2e-6 } * ray.inverse[0].abs().min(ray.inverse[1].abs());
+    let cell = ray.inverse[0].abs().min(ray.inverse[1].abs());
+    let most = if rounded { 1e-5 * cell } else { 2e-6 * cell + 1.2e-7 * s };
     let base = sum(ray.start, at[0]);
     let t = base[0] + (base[1] + at[1]);
 

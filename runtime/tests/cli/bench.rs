@@ -44,6 +44,18 @@ fn accuracy_says_what_only_must_fit() {
     folder.ghyll("bench accuracy --on cpu --only nowhere").failed(2, &["--only", "SURFACE"]);
 }
 
+/// A benchmark takes minutes: where its report cannot be kept is said before.
+#[test]
+fn a_report_that_cannot_be_written_is_refused_at_once() {
+    let folder = Folder::new("bench_taken");
+    std::fs::write(folder.path("file"), "kept").unwrap();
+    std::fs::create_dir_all(folder.path("out").join("stability.json")).unwrap();
+    let line = "bench stability --rays 1000000000 --on cpu -o";
+    folder.ghyll(&format!("{line} file")).failed(2, &["cannot write", "file"]);
+    folder.ghyll(&format!("{line} out")).failed(2, &["cannot write", "stability.json", "folder"]);
+    assert_eq!(std::fs::read_to_string(folder.path("file")).unwrap(), "kept");
+}
+
 /// The report that is printed, and whether the folder has it and these files.
 fn report(folder: &Folder, line: &str, only: &str, name: &str) -> Value {
     let line = format!("bench {name} --repeat 2 --json -o out {line} --only");

@@ -45,11 +45,14 @@ pub fn bench(arguments: &Bench) -> Result<(), Failure> {
         Err(error) => return Err(Failure::Usage(error.to_string())),
     };
     let adapter = gpu.as_ref().map_or("none", |gpu| &gpu.info().name);
+    let wanted = |name: &str| arguments.name.as_deref().is_none_or(|one| one == name);
+    let chosen = || BENCHMARKS.iter().filter(|(name, _)| wanted(name));
+    if let Some(path) = &arguments.output {
+        folder::Folder::create(path)?;
+        chosen().try_for_each(|(name, _)| super::writable_file(&path.join(format!("{name}.json"))))?;
+    }
     let mut broken = 0;
-    for (name, rows) in BENCHMARKS {
-        if arguments.name.as_deref().is_some_and(|wanted| wanted != *name) {
-            continue;
-        }
+    for (name, rows) in chosen() {
         let rows = rows(arguments, gpu.as_ref())?;
         broken += stability::broken(&rows);
         let date = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();

@@ -144,6 +144,8 @@ fn a_preset_sets_what_the_program_has() {
     let (shade, told) = said("--preset quality");
     assert!(shade == 128 && told.contains("quality: detail=true, 8 samples"), "{shade} {told}");
     assert_eq!(said("--preset quality --set detail=false").0, 51);
+    let (_, told) = said("--preset quality --samples 1");
+    assert!(!told.contains("samples a pixel"), "{told}");
     // The parameter `lighting` of this program is no function.
     let (shade, told) = said("--preset memory");
     assert!(shade == 51 && told.contains("memory: detail=false, no bake"), "{told}");

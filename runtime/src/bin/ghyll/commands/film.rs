@@ -23,7 +23,7 @@ impl Film {
         let want = Some(EntryKind::Image);
         let mut options = options(&arguments.program, want)?;
         if let Some(preset) = arguments.preset.as_deref().and_then(Preset::named) {
-            take(preset, checked, &mut options);
+            take(preset, checked, &mut options, arguments.samples.is_none());
         }
         let Some([first, end]) = arguments.frames else {
             let known = |name: &str| parse_expression(&checked.module, name).is_ok();
@@ -85,8 +85,9 @@ pub fn numbered(output: &Path, frame: i64) -> PathBuf {
     output.with_file_name(format!("{stem}-{sign}{:04}.{ending}", frame.unsigned_abs()))
 }
 
-/// Sets what the preset says and the program can hold, but for what is set already, and tells what that is.
-fn take(preset: &Preset, checked: &Checked, options: &mut Options) {
+/// Sets what the preset says and the program can hold, but for what is set already, and tells what that is. Whether it decides
+/// on samples is the caller's to say.
+fn take(preset: &Preset, checked: &Checked, options: &mut Options, samples: bool) {
     let mut taken = Vec::new();
     for (name, value) in preset.set {
         let given =
@@ -101,7 +102,7 @@ fn take(preset: &Preset, checked: &Checked, options: &mut Options) {
         options.no_bake = true;
         taken.push("no bake".into());
     }
-    if preset.samples > 1 {
+    if samples && preset.samples > 1 {
         taken.push(format!("{} samples a pixel", preset.samples));
     }
     let taken = if taken.is_empty() { "nothing that this program has".into() } else { taken.join(", ") };

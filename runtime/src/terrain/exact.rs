@@ -34,6 +34,12 @@ struct Corners {
     ne: f64,
 }
 
+impl Corners {
+    fn highest(&self) -> f64 {
+        self.sw.max(self.se).max(self.nw).max(self.ne)
+    }
+}
+
 impl<'a> Field<'a> {
     pub fn new(terrain: &'a Terrain, scene: &SceneUniform, exaggerate: f64) -> Field<'a> {
         Field {
@@ -222,12 +228,15 @@ impl<'a> Field<'a> {
                 to = to.min(a.max(b));
             }
         }
+        let over = match surface {
+            Surface::Bicubic | Surface::Subdivided(_) => 0.3 * (self.high - self.low),
+            _ => 0.0,
+        };
+        let roof = (self.high + over + 1e-6 - origin[2]) / dir[2];
         if dir[2] > 0.0 {
-            let over = match surface {
-                Surface::Bicubic | Surface::Subdivided(_) => 0.3 * (self.high - self.low),
-                _ => 0.0,
-            };
-            to = to.min((self.high + over + 1e-6 - origin[2]) / dir[2]);
+            to = to.min(roof);
+        } else if dir[2] < 0.0 {
+            from = from.max(roof);
         }
         if from > to {
             return None;
@@ -253,11 +262,19 @@ impl<'a> Field<'a> {
             let u = [grid(0, a) - f64::from(i), grid(0, b) - f64::from(i)];
             let v = [grid(1, a) - f64::from(j), grid(1, b) - f64::from(j)];
             let z = [origin[2] + a * dir[2], origin[2] + b * dir[2]];
+            let least = z[0].min(z[1]);
             let share = match surface {
+                Surface::Bilinear | Surface::Triangulated if least > corners.highest() => None,
                 Surface::Bilinear => meet_bilinear(&corners, u, v, z),
                 Surface::Triangulated => meet_triangulated(&corners, u, v, z),
-                Surface::Bicubic => bicubic::meet_bicubic(self.around(i, j), u, v, z),
-                Surface::Subdivided(n) => bicubic::meet_subdivided(self.around(i, j), n, u, v, z),
+                Surface::Bicubic | Surface::Subdivided(_) => {
+                    let around = self.around(i, j);
+                    match surface {
+                        _ if least > bicubic::summit(&around) => None,
+                        Surface::Subdivided(n) => bicubic::meet_subdivided(around, n, u, v, z),
+                        _ => bicubic::meet_bicubic(around, u, v, z),
+                    }
+                }
                 Surface::Nearest => None,
             }?;
             Some(a + share * (b - a))

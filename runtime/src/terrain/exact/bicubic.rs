@@ -67,6 +67,14 @@ impl Field<'_> {
     }
 }
 
+/// No point of the patch is higher: the spline's weights below 0 add up to at most 1/8 along an axis, so those of both axes to
+/// 9/32, halfway. What rounding adds is far less than the thousandth.
+pub(super) fn summit(around: &[[f64; 4]; 4]) -> f64 {
+    let all = around.as_flattened();
+    let (low, high) = all.iter().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(*z), high.max(*z)));
+    high + 0.282 * (high - low)
+}
+
 /// First share in [0, 1] of the way where z is on or under the bicubic patch: between the places where the height over it turns,
 /// which are those of its derivative.
 pub(super) fn meet_bicubic(rows: [[f64; 4]; 4], u: [f64; 2], v: [f64; 2], z: [f64; 2]) -> Option<f64> {
@@ -196,5 +204,39 @@ fn spline([a, b, c, d]: [f64; 4], t: f64, order: u32) -> f64 {
         2 => 6.0 * cubic[3] * t + 2.0 * cubic[2],
         3 => 6.0 * cubic[3],
         _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn height(rows: &[[f64; 4]; 4], u: f64, v: f64) -> f64 {
+        spline(rows.map(|row| spline(row, u, 0)), v, 0)
+    }
+
+    #[test]
+    fn the_summit_is_above_the_patch_and_no_higher_than_it_must_be() {
+        // High where halfway along both axes the weight is above 0.
+        let inner = |k: usize| k == 1 || k == 2;
+        let worst = std::array::from_fn(|j| {
+            std::array::from_fn(|i| f64::from(u8::from(inner(i) == inner(j))))
+        });
+        assert_eq!(height(&worst, 0.5, 0.5), 1.28125);
+        assert_eq!(summit(&worst), 1.282);
+        let mut state = 7u64;
+        for _ in 0..2000 {
+            let rows = std::array::from_fn(|_| {
+                std::array::from_fn(|_| {
+                    state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                    f64::from((state >> 33) as u32 & 7)
+                })
+            });
+            let top = summit(&rows);
+            let grid = (0..=16).flat_map(|i| (0..=16).map(move |j| (f64::from(i) / 16.0, f64::from(j) / 16.0)));
+            for (u, v) in grid {
+                assert!(height(&rows, u, v) <= top, "{rows:?} at {u}, {v}");
+            }
+        }
     }
 }

@@ -12,6 +12,7 @@
 //! A bound that is missing (a pole, an exponential of anything, a raster) goes on as missing until something bounds it:
 //! `clamp`, `min`, `max`, `sin`, .. Where the result has none, that is an error that names the first cause.
 
+mod cells;
 mod interval;
 mod rules;
 mod surfaces;
@@ -19,31 +20,60 @@ mod surfaces;
 mod tests;
 mod transform;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::codes;
 use crate::core::names::Names;
-use crate::core::{FnId, Function};
+use crate::core::{FnId, Function, Scalar};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
+pub use cells::Part;
 use interval::Reason;
 use rules::{RULES, Rules};
 pub use surfaces::Known;
 
-/// What is asked of a function over a box.
+/// What is asked of a function. Boxes lie within the field, whose coordinates are not negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ask {
-    /// `(.., x0, y0, x1, y1) -> hi`: no value lies above. Boxes lie within the field, whose coordinates are not negative.
+    /// `(.., x0, y0, x1, y1) -> hi`: no value lies above.
     Above,
     /// `(.., x0, y0, x1, y1, dx, dy) -> (smooth, lo, hi)`: the slope along a direction, and whether it counts.
     Along,
+    /// `(.., x, y) -> yes`: whether the next three have answers. The same wherever the position is.
+    InCells,
+    /// `(.., x0, y0, x1, y1) -> hi`: the surface is no higher than so much over the bicubic one.
+    Raise,
+    /// `(.., x, y, dx, dy, patch) -> (value, slope)`: the height, and the slope along a direction, in the patch's cell.
+    Rise,
+    /// `(.., x0, y0, x1, y1, dx, dy, patch) -> (slope, bend)`: no slope along the direction, and no second derivative, lies above. The
+    /// box lies in the patch's cell.
+    Reach,
+}
+
+impl Ask {
+    pub fn results(self) -> &'static [Scalar] {
+        use Scalar::{Bool, F32};
+        match self {
+            Ask::Above | Ask::Raise => &[F32],
+            Ask::Along => &[Bool, F32, F32],
+            Ask::InCells => &[Bool],
+            Ask::Rise | Ask::Reach => &[F32, F32],
+        }
+    }
+
+    /// Whether it may be left without an answer.
+    fn is_optional(self) -> bool {
+        matches!(self, Ask::InCells | Ask::Raise | Ask::Rise | Ask::Reach)
+    }
 }
 
 /// A hole in the program.
 #[derive(Clone, Debug)]
 pub struct Request {
     pub hole: FnId,
-    /// Its last parameters are the position (x, y); for [`Ask::Along`] it is derived, and (dx, dy) come last.
+    pub surface: FnId,
+    /// The surface or what is derived of it. Its last parameters are the position (x, y); behind it comes (dx, dy), once for each
+    /// derivative.
     pub base: FnId,
     pub ask: Ask,
     /// The expression that traces.
@@ -53,29 +83,46 @@ pub struct Request {
 /// Words that are values among those of a derived function; the others are slopes.
 pub type Values = HashMap<FnId, usize>;
 
-/// Writes the requested functions. `known` names library functions that `surfaces` bounds.
+/// Functions of the library that bounds are made of.
+#[derive(Clone, Copy)]
+pub struct Library<'a> {
+    /// Of which more is known than their code tells.
+    pub known: &'a HashMap<FnId, Known>,
+    pub parts: &'a HashMap<Part, FnId>,
+}
+
+/// Writes the requested functions.
 pub fn fill(
     functions: &mut [Option<Function>],
     requests: &[Request],
-    known: &HashMap<FnId, Known>,
+    library: &Library,
     values: &Values,
 ) -> Result<(), Vec<Diagnostic>> {
-    fill_by(RULES, functions, requests, known, values)
+    fill_by(RULES, functions, requests, library, values)
 }
 
 fn fill_by(
     rules: &'static Rules,
     functions: &mut [Option<Function>],
     requests: &[Request],
-    known: &HashMap<FnId, Known>,
+    library: &Library,
     values: &Values,
 ) -> Result<(), Vec<Diagnostic>> {
     let mut names = Names::of(functions.iter().flatten());
     let mut errors: Vec<Diagnostic> = Vec::new();
-    for request in requests {
-        let context = transform::Context { rules, functions, known, values };
+    let mut without: HashSet<FnId> = HashSet::new();
+    let (last, first): (Vec<&Request>, Vec<&Request>) =
+        requests.iter().partition(|request| request.ask == Ask::InCells);
+    for request in first {
+        let context = transform::Context { rules, functions, library: *library, values };
         match transform::bounds(&context, request, &mut names) {
             Ok(function) => functions[request.hole.0 as usize] = Some(function),
+            Err(_) if request.ask.is_optional() => {
+                without.insert(request.surface);
+                let base = functions[request.base.0 as usize].as_ref().expect("derivatives are filled first");
+                functions[request.hole.0 as usize] =
+                    Some(cells::unanswered(base, request, values, &mut names));
+            }
             Err(refused) => {
                 let diagnostic = refused.tell(request.span);
                 if !errors.iter().any(|e| e.code == diagnostic.code && e.primary.0 == diagnostic.primary.0) {
@@ -83,6 +130,11 @@ fn fill_by(
                 }
             }
         }
+    }
+    for request in last {
+        let surface = functions[request.surface.0 as usize].as_ref().expect("it was lowered");
+        let yes = !without.contains(&request.surface);
+        functions[request.hole.0 as usize] = Some(cells::answered(surface, yes, &mut names));
     }
     if errors.is_empty() { Ok(()) } else { Err(errors) }
 }

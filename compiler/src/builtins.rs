@@ -175,6 +175,19 @@ builtins! {
     // surface is known not to jump, its least and its greatest slope.
     Above "__above" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2) -> f32");
     Along "__along" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2) -> (bool, f32, f32)");
+    // Of surfaces that are the bicubic one at the position and something else that is added (`bounds/cells.rs`): whether a surface is
+    // one; over a box, by how much it is higher than the bicubic one at most; its height and its slope along a direction; over a
+    // box within a cell its greatest slope and second derivative along a direction. The cell, its south-western sample and the
+    // samples around it come last.
+    InCells "__in_cells" Library Fixed("fn(fn(vec2) -> f32) -> bool");
+    Raise "__raise" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2) -> f32");
+    Rise "__rise" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2, f32, vec4, vec4, vec4, vec4) -> (f32, f32)");
+    Reach "__reach" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2, vec2, f32, vec4, vec4, vec4, vec4) -> (f32, f32)");
+    // The first cell in which a ray may be no more than so far over the bicubic surface: origin, direction, near, far, how far; whether
+    // there is one, the distance, the cell.
+    NextCell "__next_cell" Library Fixed("fn(vec3, vec3, f32, f32, f32) -> (bool, f32, vec2)");
+    // A cell's south-western sample, less than -1e38 if the cell touches a missing one, and the samples around it less that one.
+    PatchAround "__patch_around" Library Fixed("fn(vec2) -> (f32, vec4, vec4, vec4, vec4)");
     // Whether the bounds of its slopes are those of a cell: known when it is compiled.
     Cellwise "__cellwise" Library Fixed("fn(fn(vec2) -> f32) -> bool");
     // Whether the cell at a position touches a missing sample.

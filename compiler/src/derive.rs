@@ -25,8 +25,8 @@ use std::collections::{HashMap, HashSet};
 
 use crate::codes;
 use crate::core::names::Names;
-use crate::core::walk::{calls, size};
-use crate::core::{FnId, Function};
+use crate::core::walk::{calls, size, statements};
+use crate::core::{FnId, Function, Intrinsic, Op};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use activity::{Activity, Mask};
@@ -39,37 +39,58 @@ pub struct Request {
     pub base: FnId,
     /// Parameters that move, 1 or 2; those before them stand still.
     pub directions: usize,
-    /// Value and slope along a direction that two more parameters give, in place of slopes along the axes. Where there is
-    /// no derivative the hole is filled with the value alone, without a complaint.
-    pub along: bool,
+    /// In place of slopes along the axes, values and slopes along a direction that two more parameters give. Where there is no
+    /// derivative the hole is filled with the base, without a complaint.
+    pub along: Option<Along>,
     /// The expression that asks for the derivative.
     pub span: Span,
 }
 
+/// What moves along a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// The last two parameters.
+    Slope,
+    /// Those before the last two, which give the direction of the slope that the base yields.
+    Bend,
+}
+
+/// Second derivatives only tighten bounds: they may not be larger than so many statements.
+const BEND_LIMIT: usize = 20_000;
+
 /// Derivatives of derivatives of .. may not multiply a program beyond so many statements.
 const STATEMENT_LIMIT: usize = 400_000;
 
-/// Writes the requested functions and those they call. `gradients` names functions of a position whose gradient another
-/// yields. Tells how many words of each function with values and slopes are values.
+/// Functions whose derivatives others yield.
+#[derive(Clone, Debug, Default)]
+pub struct Given {
+    /// Of a position: by x and y; of a gradient: by x twice, by x and y, by y twice.
+    pub gradients: HashMap<FnId, FnId>,
+    /// Of a position and of directions, linear in these: the slope along one more direction.
+    pub alongs: HashMap<FnId, FnId>,
+}
+
+/// Writes the requested functions and those they call. Tells how many words of each function with values and slopes are values.
 pub fn fill(
     functions: &mut Vec<Option<Function>>,
     requests: &[Request],
-    gradients: &HashMap<FnId, FnId>,
+    given: &Given,
 ) -> Result<HashMap<FnId, usize>, Vec<Diagnostic>> {
-    fill_by(RULES, functions, requests, gradients)
+    fill_by(RULES, functions, requests, given)
 }
 
 fn fill_by(
     rules: &'static Rules,
     functions: &mut Vec<Option<Function>>,
     requests: &[Request],
-    gradients: &HashMap<FnId, FnId>,
+    given: &Given,
 ) -> Result<HashMap<FnId, usize>, Vec<Diagnostic>> {
     let mut derive = Derive {
         rules,
         functions,
         requests: requests.iter().map(|r| (r.hole, r)).collect(),
-        gradients,
+        given,
+        directed: false,
         values: HashMap::new(),
         open: HashSet::new(),
         complete: HashSet::new(),
@@ -78,27 +99,34 @@ fn fill_by(
         queue: Vec::new(),
         names: Names::default(),
         statements: 0,
+        limit: STATEMENT_LIMIT,
         span: None,
         errors: Vec::new(),
     };
     derive.names = Names::of(derive.functions.iter().flatten());
-    for request in requests.iter().filter(|r| !r.along) {
+    for request in requests.iter().filter(|r| r.along.is_none()) {
         derive.request(request);
     }
-    for request in requests.iter().filter(|r| r.along) {
-        derive.along(request);
+    for request in requests {
+        match request.along {
+            Some(Along::Slope) => derive.along(request, 0),
+            Some(Along::Bend) => derive.bend(request),
+            None => {}
+        }
     }
     if derive.errors.is_empty() { Ok(derive.values) } else { Err(derive.errors) }
 }
 
-/// A function and what moves among its parameters.
-type Key = (FnId, Vec<Mask>);
+/// A function, what moves among its parameters, and whether along a direction.
+type Key = (FnId, Vec<Mask>, bool);
 
 struct Derive<'a> {
     rules: &'static Rules,
     functions: &'a mut Vec<Option<Function>>,
     requests: HashMap<FnId, &'a Request>,
-    gradients: &'a HashMap<FnId, FnId>,
+    given: &'a Given,
+    /// What is written now moves along a direction.
+    directed: bool,
     values: HashMap<FnId, usize>,
     /// Requests whose function is being made ready.
     open: HashSet<FnId>,
@@ -110,6 +138,7 @@ struct Derive<'a> {
     queue: Vec<Key>,
     names: Names,
     statements: usize,
+    limit: usize,
     /// The request that is being served.
     span: Option<Span>,
     errors: Vec<Diagnostic>,
@@ -144,37 +173,76 @@ impl Derive<'_> {
 
     /// Writes the derived functions that are called.
     fn drain(&mut self) {
-        while let Some((id, moving)) = self.queue.pop()
+        while let Some((id, moving, directed)) = self.queue.pop()
             && self.errors.is_empty()
         {
             let base = self.functions[id.0 as usize].clone().expect("the holes below are filled");
-            let hole = self.derived[&(id, moving.clone())];
+            let hole = self.derived[&(id, moving.clone(), directed)];
             let function = transform::with_slopes(self, &base, moving);
             self.values.insert(hole, base.vars.len());
             self.put(hole, function);
         }
     }
 
-    /// Both parameters of a position move, in one direction.
-    fn along(&mut self, request: &Request) {
+    /// Both parameters of a position move, in one direction; those behind it stand still.
+    fn along(&mut self, request: &Request, behind: usize) {
         if !self.errors.is_empty() {
             return;
         }
         let first = self.functions.len();
         self.span = Some(request.span);
         let base = self.functions[request.base.0 as usize].clone().expect("every other hole is filled");
-        let still = base.params.len() - 2;
-        let moving = (0..base.params.len()).map(|i| Mask::from(i >= still)).collect();
+        self.directed = true;
+        let position = base.params.len() - 2 - behind..base.params.len() - behind;
+        let moving = (0..base.params.len()).map(|i| Mask::from(position.contains(&i))).collect();
         let function = transform::with_slopes(self, &base, moving);
         self.values.insert(request.hole, base.vars.len());
         self.put(request.hole, function);
         self.drain();
         if self.errors.iter().any(|e| e.code == codes::NO_DERIVATIVE) {
             self.errors.retain(|e| e.code != codes::NO_DERIVATIVE);
-            self.values.remove(&request.hole);
-            self.functions[request.hole.0 as usize] = Some(base);
-            self.forget(first);
+            self.undo(request, base, first);
         }
+    }
+
+    /// The slope along a direction moves in its turn. What it costs is bounded, and an error of its own is none of the program's.
+    fn bend(&mut self, request: &Request) {
+        if !self.errors.is_empty() {
+            return;
+        }
+        let base = self.functions[request.base.0 as usize].clone().expect("slopes come before bends");
+        if !self.values.contains_key(&request.base) || !self.reaches_patches(request.base) {
+            self.functions[request.hole.0 as usize] = Some(base);
+            return;
+        }
+        let (first, statements) = (self.functions.len(), self.statements);
+        self.limit = statements + BEND_LIMIT;
+        self.along(request, 2);
+        self.limit = STATEMENT_LIMIT;
+        if !self.errors.is_empty() {
+            self.errors.clear();
+            self.undo(request, base, first);
+        }
+        self.statements = statements;
+    }
+
+    /// Whether a function looks up the bicubic surface.
+    fn reaches_patches(&self, id: FnId) -> bool {
+        let (mut seen, mut pending, mut found) = (HashSet::from([id]), vec![id], false);
+        while let Some(f) = pending.pop().and_then(|id| self.functions[id.0 as usize].as_ref()) {
+            pending.extend(calls(&f.body.stmts).into_iter().filter(|id| seen.insert(*id)));
+            statements(&f.body.stmts, &mut |stmt| {
+                found |= matches!(stmt.op, Op::Intrinsic(Intrinsic::Bicubic, _));
+            });
+        }
+        found
+    }
+
+    /// The base in the place of what has no derivative.
+    fn undo(&mut self, request: &Request, base: Function, first: usize) {
+        self.values.remove(&request.hole);
+        self.functions[request.hole.0 as usize] = Some(base);
+        self.forget(first);
     }
 
     /// What was derived in vain is not called, and not to be met again: it may be half written.
@@ -182,7 +250,7 @@ impl Derive<'_> {
         self.queue.clear();
         self.values.retain(|id, _| (id.0 as usize) < first);
         let mut vain = Vec::new();
-        self.derived.retain(|(id, _), hole| {
+        self.derived.retain(|(id, ..), hole| {
             let keep = (hole.0 as usize) < first;
             if !keep {
                 vain.push((*hole, *id));
@@ -201,7 +269,7 @@ impl Derive<'_> {
 
     fn put(&mut self, hole: FnId, function: Function) {
         self.statements += size(&function.body.stmts);
-        if self.statements > STATEMENT_LIMIT
+        if self.statements > self.limit
             && let Some(span) = self.span
         {
             self.error(
@@ -210,7 +278,7 @@ impl Derive<'_> {
                     span,
                     "the program is too large once it is differentiated",
                 )
-                .label(format!("more than {STATEMENT_LIMIT} operations"))
+                .label(format!("more than {} operations", self.limit))
                 .help("each derivative of a derivative multiplies the code: take fewer of them"),
             );
         }
@@ -236,7 +304,7 @@ impl Derive<'_> {
 
     /// The derived function for a call, written later if it is new.
     fn derived(&mut self, id: FnId, moving: Vec<Mask>) -> FnId {
-        let key = (id, moving);
+        let key = (id, moving, self.directed);
         if let Some(known) = self.derived.get(&key) {
             return *known;
         }

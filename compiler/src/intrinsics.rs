@@ -68,6 +68,13 @@ intrinsics! {
     OccludedBilinear "occluded_bilinear" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 300;
     OccludedBicubic "occluded_bicubic" (F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 700;
     OccludedSubdivided "occluded_subdivided" (F32, F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool) 700;
+    // The first cell in which the ray may be no more than `raise` over the bicubic surface: (origin, direction, near, far, raise) ->
+    // (found, distance, cell).
+    NextCell "next_cell" (F32, F32, F32, F32, F32, F32, F32, F32, F32) -> (Bool, F32, F32, F32) 300;
+    // Height of a cell's south-western sample, a void's if the cell touches one, and the 4 x 4 samples around it less that one,
+    // rows from south to north.
+    PatchAround "patch_around" (F32, F32)
+        -> (F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32, F32) 100;
     // Bounds of every sample over a box: (x0, y0, x1, y1) -> z.
     Highest "highest" (F32, F32, F32, F32) -> (F32) 40;
     Lowest "lowest" (F32, F32, F32, F32) -> (F32) 40;

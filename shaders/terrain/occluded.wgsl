@@ -6,5 +6,5 @@ fn occluded_SURFACE(
     if !ray.valid {
         return false;
     }
-    return terrain_walk_SURFACE(ray, false) > TERRAIN_NEVER;
+    return terrain_walk_SURFACE(ray).at.y >= 0.0;
 }

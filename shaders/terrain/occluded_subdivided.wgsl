@@ -7,5 +7,5 @@ fn occluded_subdivided(
     if !ray.valid {
         return false;
     }
-    return terrain_walk_subdivided(ray, false) > TERRAIN_NEVER;
+    return terrain_walk_subdivided(ray).at.y >= 0.0;
 }

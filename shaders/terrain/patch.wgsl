@@ -9,5 +9,3 @@ struct TerrainWay {
 }
 
 const TERRAIN_MISS: f32 = -1.0;
-// Less than the t of any hit.
-const TERRAIN_NEVER: f32 = -3e38;

@@ -34,6 +34,14 @@ struct TerrainRay {
     parts: f32,
 }
 
+// What a walk meets: the ray by its last base, the cell, the distance there with the rest of it, which is less than 0 if nothing
+// is met.
+struct TerrainMet {
+    ray: TerrainRay,
+    node: vec2<i32>,
+    at: vec2<f32>,
+}
+
 // By the bits, since the language lets compilers assume that NaN and infinity do not occur.
 fn terrain_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;

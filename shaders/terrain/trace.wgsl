@@ -11,9 +11,9 @@ fn trace_SURFACE(
     if !ray.valid {
         return trace_SURFACE_result(false, 0.0);
     }
-    let t = terrain_walk_SURFACE(ray, true);
-    if t <= TERRAIN_NEVER {
+    let met = terrain_walk_SURFACE(ray);
+    if met.at.y < 0.0 {
         return trace_SURFACE_result(false, 0.0);
     }
-    return trace_SURFACE_result(true, clamp(t, near, far));
+    return trace_SURFACE_result(true, clamp(terrain_settled_SURFACE(met), near, far));
 }

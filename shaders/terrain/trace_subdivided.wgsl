@@ -12,9 +12,9 @@ fn trace_subdivided(
     if !ray.valid {
         return trace_subdivided_result(false, 0.0);
     }
-    let t = terrain_walk_subdivided(ray, true);
-    if t <= TERRAIN_NEVER {
+    let met = terrain_walk_subdivided(ray);
+    if met.at.y < 0.0 {
         return trace_subdivided_result(false, 0.0);
     }
-    return trace_subdivided_result(true, clamp(t, near, far));
+    return trace_subdivided_result(true, clamp(terrain_settled_subdivided(met), near, far));
 }

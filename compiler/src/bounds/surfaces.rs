@@ -5,22 +5,42 @@ use crate::core::{Atom, Block, FnId, Intrinsic, Op, Prim, Scalar, Stmt};
 use Scalar::{Bool, F32};
 use smallvec::smallvec;
 
-/// A library function with an enclosure of its own. All take a position.
+/// A library function with an enclosure of its own. All take a position, some then directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Known {
     Noise,
     NoiseGradient,
+    /// Second derivatives: by x twice, by x and y, by y twice.
+    NoiseBend,
+    /// The slope along a direction, and that of it along another.
+    NoiseAlong,
+    NoiseBendAlong,
 }
 
 impl Known {
-    pub const ALL: &'static [(Known, &'static str)] =
-        &[(Known::Noise, "noise"), (Known::NoiseGradient, "_noise_gradient")];
+    pub const ALL: &'static [(Known, &'static str)] = &[
+        (Known::Noise, "noise"),
+        (Known::NoiseGradient, "_noise_gradient"),
+        (Known::NoiseBend, "_noise_bend"),
+        (Known::NoiseAlong, "_noise_along"),
+        (Known::NoiseBendAlong, "_noise_bend_along"),
+    ];
 
-    /// The function that yields its gradient.
+    /// The function that yields its slope along one more direction.
+    pub fn along(self) -> Option<Known> {
+        match self {
+            Known::Noise => Some(Known::NoiseAlong),
+            Known::NoiseAlong => Some(Known::NoiseBendAlong),
+            _ => None,
+        }
+    }
+
+    /// The function that yields its derivatives.
     pub fn gradient(self) -> Option<Known> {
         match self {
             Known::Noise => Some(Known::NoiseGradient),
-            Known::NoiseGradient => None,
+            Known::NoiseGradient => Some(Known::NoiseBend),
+            _ => None,
         }
     }
 
@@ -32,20 +52,97 @@ impl Known {
 /// Noise is a sum over the corners of a lattice cell, `W_a(x) W_b(y) (g . (x - a, y - b))`, with gradients g in [-1, 1]
 /// along each axis and weights made of `w(t) = t^3 (6 t^2 - 15 t + 10)`. So each derivative is at most the sum of the
 /// sizes of the factors of all g, a function of the position in the cell alone. Their greatest values: by x or y 2.75 (in
-/// the cell's middle), twice by x 11.55, by x and y 6.87. A test takes them on a grid.
+/// the cell's middle), twice by x 11.55, by x and y 6.87. Along any direction the slope is at most 2.75 as well; along any
+/// two the second derivative is at most 12.53. A test takes them on a grid.
 pub(super) const NOISE_SLOPE: f32 = 2.76;
+pub(super) const NOISE_CURVE: f32 = 12.6;
 pub(super) const NOISE_BEND: f32 = 11.7;
 pub(super) const NOISE_TWIST: f32 = 6.9;
 
-/// The results of a known library function over a box.
-pub(super) fn known(e: &mut Emit, known: Known, id: FnId, at: &[Interval]) -> Vec<Interval> {
+/// The results of a known library function over a box; `coarse` bounds do not evaluate it.
+pub(super) fn known(e: &mut Emit, known: Known, id: FnId, at: &[Interval], coarse: bool) -> Vec<Interval> {
+    let within = |most: f32| {
+        let range = Range::new(-f64::from(most), f64::from(most));
+        Interval::new(number(-most), number(most), range)
+    };
     match known {
+        Known::NoiseAlong => vec![noise_along(e, id, at, coarse)],
+        Known::NoiseBendAlong => {
+            let lengths = [2, 4].map(|i| length(e, &at[i..i + 2]));
+            let [Some(r), Some(t)] = lengths else { return vec![e.endless(FAR, CLAMP)] };
+            let most = e.float(Prim::Mul, &[r, t]);
+            let most = e.float(Prim::Mul, &[most, number(NOISE_CURVE)]);
+            vec![about(e, number(0.0), most)]
+        }
+        Known::NoiseGradient if coarse => vec![within(NOISE_SLOPE); 2],
+        Known::NoiseBend => [NOISE_BEND, NOISE_TWIST, NOISE_BEND].map(within).to_vec(),
         Known::Noise => {
             let end = 1.0 + 1e-5;
             vec![Interval::new(number(-end), number(end), Range::new(-1.001, 1.001))]
         }
         Known::NoiseGradient => noise_gradient(e, id, at),
     }
+}
+
+const FAR: &str = "the slope of noise along a direction of any length";
+const CLAMP: &str = "clamp(.., lo, hi)";
+
+/// No direction in these intervals is longer.
+fn length(e: &mut Emit, direction: &[Interval]) -> Option<Atom> {
+    let mut square = |axis: &Interval| {
+        let (lo, hi) = axis.both()?;
+        let most = if lo == hi {
+            lo
+        } else {
+            let below = e.float(Prim::Neg, &[lo]);
+            e.float(Prim::Max, &[below, hi])
+        };
+        Some(e.float(Prim::Mul, &[most, most]))
+    };
+    let (x, y) = (square(&direction[0])?, square(&direction[1])?);
+    let sum = e.float(Prim::Add, &[x, y]);
+    let root = e.float(Prim::Sqrt, &[sum]);
+    // For what rounding took.
+    Some(e.float(Prim::Mul, &[root, number(1.000001)]))
+}
+
+fn about(e: &mut Emit, middle: Atom, most: Atom) -> Interval {
+    let lo = e.float(Prim::Sub, &[middle, most]);
+    let hi = e.float(Prim::Add, &[middle, most]);
+    Interval::new(lo, hi, Range::ANY)
+}
+
+/// What the slope is in the middle, and as much as it can change from there.
+fn noise_along(e: &mut Emit, id: FnId, at: &[Interval], coarse: bool) -> Interval {
+    let Some(length) = length(e, &at[2..4]) else { return e.endless(FAR, CLAMP) };
+    let steep = e.float(Prim::Mul, &[length, number(NOISE_SLOPE)]);
+    let all = about(e, number(0.0), steep);
+    let still = at[2].still().zip(at[3].still());
+    let (Some((dx, dy)), Some((x, rx)), Some((y, ry)), false) =
+        (still, e.middle(&at[0]), e.middle(&at[1]), coarse)
+    else {
+        return all;
+    };
+    let (rx, ry) = (e.float(Prim::Mul, &[rx, rx]), e.float(Prim::Mul, &[ry, ry]));
+    let square = e.float(Prim::Add, &[rx, ry]);
+    let radius = e.float(Prim::Sqrt, &[square]);
+    let change = e.float(Prim::Mul, &[radius, number(NOISE_CURVE)]);
+    let change = e.float(Prim::Add, &[change, number(1e-5)]);
+    let spread = e.float(Prim::Mul, &[change, length]);
+    // A wide box is not worth the evaluation.
+    let near = e.float(Prim::Lt, &[spread, steep]);
+    let inside = e.fresh(F32);
+    let call = Stmt { dst: smallvec![inside], op: Op::Call(id, smallvec![x, y, dx, dy]) };
+    let yes = Block { stmts: vec![call], results: vec![Atom::Var(inside)] };
+    let no = Block { stmts: Vec::new(), results: vec![number(0.0)] };
+    let found = e.fresh(F32);
+    e.out.push(Stmt { dst: smallvec![found], op: Op::branch(near, yes, no) });
+    let most = e.float(Prim::Select, &[steep, spread, near]);
+    let found = about(e, Atom::Var(found), most);
+    let (Some((lo, hi)), Some((least, greatest))) = (found.both(), all.both()) else { return all };
+    let lo = e.float(Prim::Max, &[lo, least]);
+    let hi = e.float(Prim::Min, &[hi, greatest]);
+    Interval::new(lo, hi, Range::ANY)
 }
 
 /// What the gradient is in the middle, and as much as it can change from there.
@@ -90,9 +187,16 @@ pub(super) fn enclose(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) -> 
         Bilinear | Triangulated => vec![samples(e, args)],
         Nearest => vec![nearest(e, args)],
         Bicubic | Subdivided => vec![around(e, args)],
-        GradientBilinear | GradientTriangulated => slopes(e, args, Inclines),
+        GradientBilinear | GradientTriangulated => {
+            e.jumps.push(flag(true));
+            slopes(e, args, Inclines)
+        }
+        GradientBicubic => slopes(e, args, InclinesBicubic),
         // Between the points of the subdivided surface they are means of the bicubic one's.
-        GradientBicubic | GradientSubdivided => slopes(e, args, InclinesBicubic),
+        GradientSubdivided => {
+            e.jumps.push(flag(true));
+            slopes(e, args, InclinesBicubic)
+        }
         MicroRow => {
             steps(e, intrinsic, args, |_| Interval::new(number(-1.0), number(1.0), Range::new(-1.0, 1.0)))
         }
@@ -271,19 +375,23 @@ mod tests {
         [[1.0 - w, -slope, -bend], [w, slope, bend]]
     }
 
-    /// Greatest derivatives of noise at a position of a lattice cell, over all gradients: by x, twice by x, by x and y.
-    fn greatest(x: f64, y: f64) -> [f64; 3] {
-        let mut sums = [0.0; 3];
+    /// Greatest derivatives of noise at a position of a lattice cell, over all gradients: along a direction, twice along it and along
+    /// it and another; by x and y for directions along the axes.
+    fn greatest(x: f64, y: f64, [r, t]: [f64; 2]) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        let ([rx, ry], [tx, ty]) = ([r.cos(), r.sin()], [t.cos(), t.sin()]);
         for (a, [w, slope, bend]) in weights(x).into_iter().enumerate() {
-            for (b, [v, v_slope, _]) in weights(y).into_iter().enumerate() {
+            for (b, [v, v_slope, v_bend]) in weights(y).into_iter().enumerate() {
                 let (east, north) = (x - a as f64, y - b as f64);
-                let by_x = slope * east + w;
-                let factors = [
-                    [by_x * v, slope * v * north],
-                    [(bend * east + 2.0 * slope) * v, bend * v * north],
-                    [by_x * v_slope, slope * (v_slope * north + v)],
-                ];
-                sums.iter_mut().zip(factors).for_each(|(sum, [gx, gy])| *sum += gx.abs() + gy.abs());
+                let by_x = [(slope * east + w) * v, slope * v * north];
+                let by_y = [w * v_slope * east, w * (v_slope * north + v)];
+                let xx = [(bend * east + 2.0 * slope) * v, bend * v * north];
+                let yy = [w * v_bend * east, w * (v_bend * north + 2.0 * v_slope)];
+                let xy = [(slope * east + w) * v_slope, slope * (v_slope * north + v)];
+                for k in 0..2 {
+                    sums[0] += (rx * by_x[k] + ry * by_y[k]).abs();
+                    sums[1] += (rx * tx * xx[k] + (rx * ty + ry * tx) * xy[k] + ry * ty * yy[k]).abs();
+                }
             }
         }
         sums
@@ -291,16 +399,28 @@ mod tests {
 
     #[test]
     fn noise_is_no_steeper_than_its_bounds() {
-        const STEPS: usize = 1000;
-        let mut found = [0.0f64; 3];
-        for i in 0..=STEPS {
-            for j in 0..=STEPS {
-                let here = greatest(i as f64 / STEPS as f64, j as f64 / STEPS as f64);
-                found.iter_mut().zip(here).for_each(|(most, value)| *most = most.max(value));
+        const STEPS: usize = 100;
+        const TURNS: usize = 16;
+        const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
+        // Slope, twice by x, by x and y; second derivative along any two directions.
+        let mut found = [0.0f64; 4];
+        let grid = |n: usize| (0..=n).flat_map(move |i| (0..=n).map(move |j| [i, j]));
+        for [i, j] in grid(STEPS) {
+            let (x, y) = (i as f64 / STEPS as f64, j as f64 / STEPS as f64);
+            let [_, twice] = greatest(x, y, [0.0; 2]);
+            let [_, twist] = greatest(x, y, [0.0, QUARTER]);
+            found[1] = found[1].max(twice);
+            found[2] = found[2].max(twist);
+            let few = i.is_multiple_of(4) && j.is_multiple_of(4);
+            for [r, t] in grid(2 * TURNS).filter(|[r, t]| few || r == t) {
+                let turn = |k: usize| k as f64 * QUARTER / TURNS as f64;
+                let [slope, bend] = greatest(x, y, [turn(r), turn(t)]);
+                found[0] = found[0].max(slope);
+                found[3] = found[3].max(bend);
             }
         }
         // Between the places of the grid they grow by far less than what the bounds leave, and the bounds are tight.
-        for (found, bound) in found.into_iter().zip([NOISE_SLOPE, NOISE_BEND, NOISE_TWIST]) {
+        for (found, bound) in found.into_iter().zip([NOISE_SLOPE, NOISE_BEND, NOISE_TWIST, NOISE_CURVE]) {
             let bound = f64::from(bound);
             assert!(found < 0.999 * bound && found > 0.96 * bound, "{found} against {bound}");
         }

@@ -1,7 +1,7 @@
 //! Random functions of a position stay below their bounds, over random boxes.
 
 use super::rules::{RULES, Rule, Rules};
-use super::{Ask, Request, fill_by};
+use super::{Ask, Library, Request, fill_by};
 use crate::core::{Atom, Block, Const, FnId, Function, Mark, Op, Prim, Program, Scalar, Stmt, Var, verify};
 use crate::interpret::{NoHost, run};
 use crate::random::Random;
@@ -139,11 +139,13 @@ fn check(seed: u64, rules: &'static Rules) -> (usize, Option<String>) {
     let mut functions = vec![Some(base), None];
     let request = Request {
         hole: FnId(1),
+        surface: FnId(0),
         base: FnId(0),
         ask: Ask::Above,
         span: Span { source: SourceId(0), start: 0, end: 0 },
     };
-    if fill_by(rules, &mut functions, &[request], &HashMap::new(), &HashMap::new()).is_err() {
+    let library = Library { known: &HashMap::new(), parts: &HashMap::new() };
+    if fill_by(rules, &mut functions, &[request], &library, &HashMap::new()).is_err() {
         return (0, None);
     }
     let functions: Vec<Function> = functions.into_iter().flatten().chain([watched]).collect();

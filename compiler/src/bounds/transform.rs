@@ -1,12 +1,14 @@
 //! One function to its enclosure: each word that moves becomes a pair, calls are put in place.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
+use super::cells::{PATCH_WORDS, Part, Patch};
 use super::interval::{Emit, Interval, Range, extremes, flag, known, number};
 use super::rules::{Rules, enclose};
-use super::surfaces::{self, Known};
-use super::{Ask, Refused, Request, Values};
+use super::surfaces;
+use super::{Ask, Library, Refused, Request, Values};
 use crate::core::names::Names;
+use crate::core::walk::{calls, statements};
 use crate::core::{
     Atom, Block, FnId, Function, Intrinsic, Loop, LoopKind, Mark, Op, Prim, Scalar, Stmt, Var,
 };
@@ -22,7 +24,7 @@ const WORLD: f64 = 1e8;
 pub(super) struct Context<'a> {
     pub rules: &'static Rules,
     pub functions: &'a [Option<Function>],
-    pub known: &'a HashMap<FnId, Known>,
+    pub library: Library<'a>,
     pub values: &'a Values,
 }
 
@@ -31,6 +33,8 @@ pub(super) struct Context<'a> {
 enum Word {
     Still(Atom, Range),
     Moving(Interval),
+    /// The bicubic surface at the position, and this; for [`Ask::Raise`].
+    Over(Interval),
 }
 
 impl Word {
@@ -38,13 +42,14 @@ impl Word {
         match self {
             Word::Still(atom, range) => Interval::point(*atom, *range),
             Word::Moving(interval) => interval.clone(),
+            Word::Over(_) => Interval::endless(None),
         }
     }
 
     fn still(&self) -> Option<Atom> {
         match self {
             Word::Still(atom, _) => Some(*atom),
-            Word::Moving(_) => None,
+            Word::Moving(_) | Word::Over(_) => None,
         }
     }
 }
@@ -63,16 +68,59 @@ struct Transform<'a> {
     words: Vec<Option<Word>>,
     values: usize,
     place: Option<Span>,
+    /// Of [`Ask::Rise`] and [`Ask::Reach`], and of [`Ask::Raise`] without words.
+    patch: Option<Patch<'a>>,
+    /// Functions known to look up patches, or not to.
+    reaching: HashMap<FnId, bool>,
 }
 
 type Made<T> = Result<T, Refused>;
 
+/// Parameters of the function for a request.
+pub(super) struct Shape {
+    /// What the surface captures.
+    captured: usize,
+    /// Words of the position: 2, or 4 of a box.
+    position: usize,
+    directions: usize,
+    /// Words of the base behind its position.
+    trailing: usize,
+    patch: usize,
+}
+
+impl Shape {
+    pub fn of(base: &Function, request: &Request, values: &Values) -> Shape {
+        // A function without a derivative has nothing behind its position.
+        let derived = values.contains_key(&request.base);
+        let trailing = match request.ask {
+            _ if !derived => 0,
+            Ask::Above | Ask::InCells | Ask::Raise => 0,
+            Ask::Along | Ask::Rise => 2,
+            Ask::Reach => 4,
+        };
+        let directed = matches!(request.ask, Ask::Along | Ask::Rise | Ask::Reach);
+        let patched = matches!(request.ask, Ask::Rise | Ask::Reach);
+        Shape {
+            captured: base.params.len() - 2 - trailing,
+            position: if request.ask == Ask::Rise { 2 } else { 4 },
+            directions: if directed { 2 } else { 0 },
+            trailing,
+            patch: if patched { PATCH_WORDS } else { 0 },
+        }
+    }
+
+    pub fn words(&self) -> usize {
+        self.captured + self.position + self.directions + self.patch
+    }
+}
+
 /// The function for a request.
 pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) -> Made<Function> {
     let base = context.functions[request.base.0 as usize].as_ref().expect("derivatives are filled first");
-    // A function without a derivative counts as one that jumps.
     let has_slope = context.values.contains_key(&request.base);
-    let trailing = if request.ask == Ask::Along && has_slope { 2 } else { 0 };
+    if matches!(request.ask, Ask::Rise | Ask::Reach) && !has_slope {
+        return Err(Refused::Endless(None));
+    }
     let mut transform = Transform {
         context,
         ask: request.ask,
@@ -84,46 +132,73 @@ pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) ->
         words: Vec::new(),
         values: usize::MAX,
         place: None,
+        patch: None,
+        reaching: HashMap::new(),
     };
-    let position = base.params.len() - 2 - trailing;
+    let shape = Shape::of(base, request, context.values);
     let mut params: Vec<Var> =
-        base.params[..position].iter().map(|p| transform.fresh(base.vars[p.0 as usize])).collect();
-    let ends: Vec<Var> = (0..4).map(|_| transform.fresh(Scalar::F32)).collect();
-    let directions = if request.ask == Ask::Along { 2 } else { 0 };
-    let direction: Vec<Var> = (0..directions).map(|_| transform.fresh(Scalar::F32)).collect();
+        base.params[..shape.captured].iter().map(|p| transform.fresh(base.vars[p.0 as usize])).collect();
+    let mut numbers = |n: usize| -> Vec<Var> { (0..n).map(|_| transform.fresh(Scalar::F32)).collect() };
+    let (ends, direction, patch) = (numbers(shape.position), numbers(shape.directions), numbers(shape.patch));
     let still = |v: &Var| Word::Still(Atom::Var(*v), Range::ANY);
     let mut args: Vec<Word> = params.iter().map(still).collect();
-    for axis in 0..2 {
-        let (lo, hi) = (Atom::Var(ends[axis]), Atom::Var(ends[axis + 2]));
-        args.push(Word::Moving(Interval::new(lo, hi, Range::new(0.0, WORLD))));
+    let on_field = Range::new(0.0, WORLD);
+    let position = [0, 1].map(|axis| {
+        let lo = Atom::Var(ends[axis]);
+        let hi = ends.get(axis + 2).map_or(lo, |v| Atom::Var(*v));
+        Interval::new(lo, hi, on_field)
+    });
+    args.extend(position.iter().map(|at| match at.still() {
+        Some(atom) => Word::Still(atom, on_field),
+        None => Word::Moving(at.clone()),
+    }));
+    args.extend(direction.iter().cycle().take(shape.trailing).map(still));
+    if matches!(request.ask, Ask::Raise | Ask::Rise | Ask::Reach) {
+        let words = patch.iter().map(|v| Atom::Var(*v)).collect();
+        transform.patch = Some(Patch { words, position, parts: context.library.parts });
     }
-    args.extend(direction.iter().take(trailing).map(still));
     params.extend(ends);
     params.extend(direction);
+    params.extend(patch);
     let found = transform.enter(request.base, args)?;
-    let (results, scalars) = match request.ask {
-        Ask::Above => {
-            let top = found[0].interval();
-            (vec![top.hi.ok_or(Refused::Endless(top.why))?], vec![Scalar::F32])
-        }
-        Ask::Along => {
-            // A value that stands still has no slope.
-            let slope = found.get(1).map_or(Interval::point(number(0.0), Range::point(0.0)), Word::interval);
-            let results = match slope.both().filter(|_| has_slope) {
+    let greatest = |word: &Word| {
+        let interval = word.interval();
+        interval.hi.ok_or(Refused::Endless(interval.why))
+    };
+    // A value that stands still has no slope.
+    let flat = Word::Still(number(0.0), Range::point(0.0));
+    let results = match (request.ask, found.as_slice()) {
+        (Ask::Above, found) => vec![greatest(&found[0])?],
+        (Ask::Along, found) => {
+            let slope = found.get(1).unwrap_or(&flat).interval();
+            match slope.both().filter(|_| has_slope) {
                 Some((lo, hi)) => vec![transform.smooth, lo, hi],
                 None => vec![flag(false), number(0.0), number(0.0)],
-            };
-            (results, vec![Scalar::Bool, Scalar::F32, Scalar::F32])
+            }
         }
+        (Ask::Raise, [Word::Over(over)]) => vec![greatest(&Word::Moving(over.clone()))?],
+        (Ask::Rise, [value, rest @ ..]) => {
+            let still = |word: &Word| word.still().ok_or(Refused::Endless(None));
+            vec![still(value)?, still(rest.first().unwrap_or(&flat))?]
+        }
+        // Its own results are the value, the slope and their slopes.
+        (Ask::Reach, [_, slope, _, rest @ ..]) if transform.smooth == flag(true) => {
+            vec![greatest(slope)?, greatest(rest.first().unwrap_or(&flat))?]
+        }
+        _ => return Err(Refused::Endless(None)),
     };
     let suffix = match request.ask {
         Ask::Above => "above",
         Ask::Along => "along",
+        Ask::InCells => "in_cells",
+        Ask::Raise => "raise",
+        Ask::Rise => "rise",
+        Ask::Reach => "reach",
     };
     Ok(Function {
         name: names.fresh(&format!("{}.{suffix}", base.name)),
         params,
-        results: scalars,
+        results: request.ask.results().to_vec(),
         vars: transform.vars,
         body: Block { stmts: transform.out, results },
         mark: Mark::Auto,
@@ -143,7 +218,7 @@ impl Transform<'_> {
         let mut emit =
             Emit { vars: &mut self.vars, out: &mut self.out, jumps: Vec::new(), place: self.place };
         let result = f(&mut emit);
-        if value && self.ask == Ask::Along {
+        if value && matches!(self.ask, Ask::Along | Ask::Reach) {
             let mut smooth = self.smooth;
             for jump in std::mem::take(&mut emit.jumps) {
                 let whole = emit.not(jump);
@@ -209,6 +284,10 @@ impl Transform<'_> {
         match &stmt.op {
             Op::Prim(prim, on, args) => {
                 let words = self.all(args);
+                if let Some(over) = self.over(*prim, *on, &words) {
+                    self.define(*first, over);
+                    return Ok(());
+                }
                 let found = match words.iter().map(Word::still).collect::<Option<Vec<_>>>() {
                     Some(atoms) => {
                         let atom = self.emit(value, |e| e.op(*prim, *on, &atoms));
@@ -231,6 +310,12 @@ impl Transform<'_> {
             }
             Op::Intrinsic(intrinsic, args) => {
                 let words = self.all(args);
+                if let Some(found) = self.patched(*intrinsic, &words) {
+                    for (v, word) in stmt.dst.iter().zip(found) {
+                        self.define(*v, word);
+                    }
+                    return Ok(());
+                }
                 match words.iter().map(Word::still).collect::<Option<Vec<_>>>() {
                     Some(atoms) => {
                         let results = intrinsic.results();
@@ -256,6 +341,63 @@ impl Transform<'_> {
         Ok(())
     }
 
+    /// The bicubic surface with something added to it or taken from it.
+    fn over(&mut self, prim: Prim, on: Scalar, words: &[Word]) -> Option<Word> {
+        let (over, other) = match (prim, words) {
+            (Prim::Add | Prim::Sub, [Word::Over(over), other]) | (Prim::Add, [other, Word::Over(over)]) => {
+                (over, other)
+            }
+            _ => return None,
+        };
+        let operands = [over.clone(), other.interval()];
+        let rules = self.context.rules;
+        Some(Word::Over(self.emit(false, |e| enclose(rules, e, (prim, on), &operands, false))))
+    }
+
+    /// What the patch tells of the bicubic surface at the position.
+    fn patched(&mut self, intrinsic: Intrinsic, words: &[Word]) -> Option<Vec<Word>> {
+        let at: Vec<Interval> = words.iter().map(Word::interval).collect();
+        let patch = self.patch.as_ref().filter(|patch| patch.is_at(&at))?;
+        let (part, operands) = match self.ask {
+            Ask::Raise if intrinsic == Intrinsic::Bicubic => {
+                return Some(vec![Word::Over(Interval::point(number(0.0), Range::point(0.0)))]);
+            }
+            Ask::Rise => (Part::at(intrinsic)?, at.iter().filter_map(Interval::still).collect()),
+            Ask::Reach => (Part::over(intrinsic)?, Vec::new()),
+            _ => return None,
+        };
+        let id = *patch.parts.get(&part)?;
+        let args: Vec<Atom> = operands.into_iter().chain(patch.words.iter().copied()).collect();
+        let dst: Vec<Var> = (0..part.results()).map(|_| self.fresh(Scalar::F32)).collect();
+        self.push(dst.clone(), Op::Call(id, args.into()));
+        let word = |k: usize| Atom::Var(dst[k]);
+        if self.ask == Ask::Rise {
+            return Some((0..dst.len()).map(|k| Word::Still(word(k), Range::ANY)).collect());
+        }
+        Some(
+            part.ends()
+                .iter()
+                .map(|(lo, hi)| Word::Moving(Interval::new(word(*lo), word(*hi), Range::ANY)))
+                .collect(),
+        )
+    }
+
+    /// Whether a function looks up the bicubic surface.
+    fn reaches_patches(&mut self, id: FnId) -> bool {
+        if let Some(known) = self.reaching.get(&id) {
+            return *known;
+        }
+        let (mut seen, mut pending, mut found) = (HashSet::from([id]), vec![id], false);
+        while let Some(f) = pending.pop().and_then(|id| self.context.functions[id.0 as usize].as_ref()) {
+            pending.extend(calls(&f.body.stmts).into_iter().filter(|id| seen.insert(*id)));
+            statements(&f.body.stmts, &mut |stmt| {
+                found |= matches!(stmt.op, Op::Intrinsic(intrinsic, _) if Part::at(intrinsic).is_some());
+            });
+        }
+        self.reaching.insert(id, found);
+        found
+    }
+
     /// Scalar of a word of the function that is being read.
     fn open_scalar(&self, v: Var) -> Scalar {
         let id = self.open.last().expect("a function is being read");
@@ -270,7 +412,8 @@ impl Transform<'_> {
 
     fn call(&mut self, dst: &[Var], id: FnId, args: &[Atom], value: bool) -> Made<()> {
         let words = self.all(args);
-        if let Some(atoms) = words.iter().map(Word::still).collect::<Option<Vec<_>>>() {
+        let inward = self.ask == Ask::Rise && self.reaches_patches(id);
+        if let Some(atoms) = words.iter().map(Word::still).collect::<Option<Vec<_>>>().filter(|_| !inward) {
             let results: Vec<Var> = dst
                 .iter()
                 .map(|v| {
@@ -285,10 +428,11 @@ impl Transform<'_> {
             self.push(results, Op::Call(id, atoms.into()));
             return Ok(());
         }
-        let found = match self.context.known.get(&id) {
+        let coarse = self.ask == Ask::Reach;
+        let found = match self.context.library.known.get(&id) {
             Some(known) => {
                 let at: Vec<Interval> = words.iter().map(Word::interval).collect();
-                self.emit(value, |e| surfaces::known(e, *known, id, &at))
+                self.emit(value, |e| surfaces::known(e, *known, id, &at, coarse))
                     .into_iter()
                     .map(Word::Moving)
                     .collect()
@@ -333,8 +477,8 @@ impl Transform<'_> {
                     self.define(*v, word);
                 }
             }
-            Word::Moving(cond) => {
-                let (certain, possible) = cond.both().unwrap_or((flag(false), flag(true)));
+            moving => {
+                let (certain, possible) = moving.interval().both().unwrap_or((flag(false), flag(true)));
                 let impossible = self.emit(false, |e| e.not(certain));
                 // Each side is evaluated where it may be taken; elsewhere it encloses nothing.
                 let mut sides = Vec::new();
@@ -368,10 +512,9 @@ impl Transform<'_> {
         scalars: &[Scalar],
         smooth: Atom,
     ) -> Vec<Interval> {
-        let (mut results, mut nothing, mut dst, mut found) =
-            (vec![smooth], vec![flag(true)], Vec::new(), Vec::new());
         let whole = self.fresh(Scalar::Bool);
-        dst.push(whole);
+        let (mut results, mut nothing, mut dst, mut found) =
+            (vec![smooth], vec![flag(true)], vec![whole], Vec::new());
         for (word, scalar) in words.iter().zip(scalars) {
             let (least, most) = extremes(*scalar);
             let mut side = |transform: &mut Self, end: Option<Atom>, none: Atom| {
@@ -387,7 +530,9 @@ impl Transform<'_> {
         }
         let no = Block { stmts: Vec::new(), results: nothing };
         self.push(dst, Op::branch(when, Block { stmts, results }, no));
-        self.also_smooth(Atom::Var(whole));
+        if smooth != flag(true) {
+            self.also_smooth(Atom::Var(whole));
+        }
         found
     }
 
@@ -400,6 +545,7 @@ impl Transform<'_> {
         scalars: &[Scalar],
     ) -> Vec<Word> {
         let whole = self.fresh(Scalar::Bool);
+        let jumps = yes_smooth != flag(true) || no_smooth != flag(true);
         let (mut dst, mut yes_results, mut no_results) = (vec![whole], vec![yes_smooth], vec![no_smooth]);
         let mut found = Vec::new();
         for ((a, b), scalar) in yes.iter().zip(&no).zip(scalars) {
@@ -423,7 +569,9 @@ impl Transform<'_> {
         let yes = Block { stmts: yes_stmts, results: yes_results };
         let no = Block { stmts: no_stmts, results: no_results };
         self.push(dst, Op::branch(cond, yes, no));
-        self.also_smooth(Atom::Var(whole));
+        if jumps {
+            self.also_smooth(Atom::Var(whole));
+        }
         found
     }
 
@@ -449,23 +597,30 @@ impl Transform<'_> {
         let smooth = self.fresh(Scalar::Bool);
         let cond = self.condition(l)?;
         let (mut stmts, next, next_smooth) = self.block(&l.body)?;
+        // A body that never jumps needs no word for it.
+        let jumps = next_smooth != flag(true);
         let outer = std::mem::replace(&mut self.out, stmts);
         let whole = self.emit(false, |e| e.and(Atom::Var(smooth), next_smooth));
         stmts = std::mem::replace(&mut self.out, outer);
         let mut results = packed(&next, &shape);
-        results.push(whole);
         let mut inits = packed(&first, &shape);
-        inits.push(flag(true));
+        let mut state_vars = vars;
+        if jumps {
+            results.push(whole);
+            inits.push(flag(true));
+            state_vars.push(smooth);
+        }
         let moved = words.iter().any(|w| matches!(w, Word::Moving(_)));
         let kind = if moved { LoopKind::Fold } else { l.kind };
-        let state_vars = vars.iter().copied().chain([smooth]);
-        let repeat =
-            Loop { state: state_vars.zip(inits).collect(), cond, body: Block { stmts, results }, kind };
+        let state = state_vars.into_iter().zip(inits).collect();
+        let repeat = Loop { state, cond, body: Block { stmts, results }, kind };
         let (found, mut last) = self.stand_ins(&shape, &scalars);
         let last_smooth = self.fresh(Scalar::Bool);
-        last.push(last_smooth);
+        last.extend(jumps.then_some(last_smooth));
         self.push(last, Op::repeat(repeat));
-        self.also_smooth(Atom::Var(last_smooth));
+        if jumps {
+            self.also_smooth(Atom::Var(last_smooth));
+        }
         self.bind(dst, &found);
         Ok(())
     }
@@ -511,6 +666,7 @@ impl Transform<'_> {
                         let (lo, hi) = (i.lo.map(|_| new()), i.hi.map(|_| new()));
                         Word::Moving(Interval { lo, hi, ..i.clone() })
                     }
+                    Word::Over(_) => Word::Moving(word.interval()),
                 }
             })
             .collect();
@@ -553,6 +709,7 @@ fn packed(words: &[Word], shape: &[Word]) -> Vec<Atom> {
         let i = word.interval();
         match shape {
             Word::Still(..) => all.extend(i.lo),
+            Word::Over(_) => {}
             Word::Moving(like) => {
                 all.extend(i.lo.filter(|_| like.lo.is_some()));
                 all.extend(i.hi.filter(|_| like.hi.is_some()));

@@ -28,9 +28,8 @@ pub fn jacobian(intrinsic: Intrinsic) -> Jacobian {
         OccludedTriangulated | OccludedBilinear | OccludedBicubic | OccludedSubdivided => Jacobian::Flat,
         Hole | Holed | MicroRow | Means => Jacobian::Flat,
         Highest | Lowest | Crest | Inclines | InclinesBicubic | BendBicubic => Jacobian::Unknown,
-        TraceTriangulated | TraceBilinear | TraceBicubic | TraceSubdivided | Camera | BeamStart | Place => {
-            Jacobian::Unknown
-        }
+        TraceTriangulated | TraceBilinear | TraceBicubic | TraceSubdivided | NextCell | PatchAround
+        | Camera | BeamStart | Place => Jacobian::Unknown,
         // Of a raster or a baked function.
         Raster1 => Jacobian::Given(GradientRaster1),
         Raster2 => Jacobian::Given(GradientRaster2),

@@ -98,7 +98,7 @@ fn program(prim: Prim, n: usize, k: usize, rules: &'static Rules) -> Program {
     let results = vec![Scalar::F32];
     let base = Function { name: "base".into(), params, results, vars, body, mark: Mark::Auto, span: None };
     let mut functions = vec![Some(base), None];
-    let request = Request { hole: FnId(1), base: FnId(0), directions: 1, along: false, span: nowhere() };
+    let request = Request { hole: FnId(1), base: FnId(0), directions: 1, along: None, span: nowhere() };
     fill_by(rules, &mut functions, &[request], &Default::default()).expect("an operation has a derivative");
     let program =
         Program { functions: functions.into_iter().flatten().collect(), entry: 1, live: Vec::new() };
@@ -181,7 +181,7 @@ fn derived(text: &str, directions: usize) -> Program {
     functions.push(None);
     fill(
         &mut functions,
-        &[Request { hole, base: FnId(0), directions, along: false, span: nowhere() }],
+        &[Request { hole, base: FnId(0), directions, along: None, span: nowhere() }],
         &Default::default(),
     )
     .expect("fills");

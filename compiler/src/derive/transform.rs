@@ -7,6 +7,7 @@ use super::surfaces::{Jacobian, jacobian, place};
 use crate::codes;
 use crate::core::{Atom, Block, Const, FnId, Function, Intrinsic, Loop, Op, Prim, Scalar, Stmt, Var};
 use crate::diagnostic::Diagnostic;
+use smallvec::smallvec;
 
 /// Slope of a word in each direction; none where it stands still.
 type Slopes = [Option<Atom>; 2];
@@ -152,9 +153,15 @@ impl<'a, 'd> Transform<'a, 'd> {
                     self.out.push(stmt.clone());
                     return;
                 }
-                if let Some(gradient) = self.derive.gradients.get(id).copied() {
+                if let Some(further) =
+                    self.derive.given.alongs.get(id).copied().filter(|_| self.derive.directed)
+                {
                     self.out.push(stmt.clone());
-                    return self.given(stmt.dst[0], gradient, args);
+                    return self.directed(stmt.dst[0], *id, further, args);
+                }
+                if let Some(gradient) = self.derive.given.gradients.get(id).copied() {
+                    self.out.push(stmt.clone());
+                    return self.given(&stmt.dst, gradient, args);
                 }
                 let mut operands = args.clone();
                 operands.extend(self.packed(args, &moving));
@@ -179,16 +186,51 @@ impl<'a, 'd> Transform<'a, 'd> {
         }
     }
 
-    /// The slope of a function of a position by another that yields its gradient.
-    fn given(&mut self, dst: Var, gradient: FnId, args: &[Atom]) {
-        let words: Vec<Var> = args.iter().map(|_| self.emit().fresh(Scalar::F32)).collect();
-        self.out.push(Stmt { dst: words.clone().into(), op: Op::Call(gradient, args.into()) });
-        let terms: Vec<(Partial, Slopes)> = words
-            .into_iter()
-            .zip(args)
-            .map(|(word, arg)| (Partial::Times(Atom::Var(word)), self.of(*arg)))
-            .collect();
-        self.chain(dst, &terms);
+    /// The slopes of a function of a position by another that yields its derivatives: those of a height by x and y, those of a gradient
+    /// by x twice, by x and y, by y twice.
+    fn given(&mut self, dst: &[Var], derivatives: FnId, args: &[Atom]) {
+        let words: Vec<Var> = (0..dst.len() + 1).map(|_| self.emit().fresh(Scalar::F32)).collect();
+        self.out.push(Stmt { dst: words.clone().into(), op: Op::Call(derivatives, args.into()) });
+        for (result, v) in dst.iter().enumerate() {
+            let terms: Vec<(Partial, Slopes)> = args
+                .iter()
+                .enumerate()
+                .map(|(axis, arg)| (Partial::Times(Atom::Var(words[result + axis])), self.of(*arg)))
+                .collect();
+            self.chain(*v, &terms);
+        }
+    }
+
+    /// The slope of a function of a position and of directions: along the position's, and along those of the directions, in which the
+    /// function is linear.
+    fn directed(&mut self, dst: Var, id: FnId, further: FnId, args: &[Atom]) {
+        let slopes: Vec<Option<Atom>> = args.iter().map(|a| self.of(*a)[0]).collect();
+        let numbers = |slopes: &[Option<Atom>]| -> Vec<Atom> {
+            slopes.iter().map(|s| s.unwrap_or(number(0.0))).collect()
+        };
+        let mut sum: Option<Atom> = None;
+        let mut add = |transform: &mut Self, id: FnId, args: Vec<Atom>| {
+            let term = transform.emit().fresh(Scalar::F32);
+            transform.out.push(Stmt { dst: smallvec![term], op: Op::Call(id, args.into()) });
+            sum = Some(match sum {
+                Some(sum) => transform.emit().op(Prim::Add, &[sum, Atom::Var(term)]),
+                None => Atom::Var(term),
+            });
+        };
+        if slopes[..2].iter().any(Option::is_some) {
+            let args = args.iter().copied().chain(numbers(&slopes[..2])).collect();
+            add(self, further, args);
+        }
+        for at in (2..args.len()).step_by(2) {
+            if slopes[at..at + 2].iter().any(Option::is_some) {
+                let mut args = args.to_vec();
+                args.splice(at..at + 2, numbers(&slopes[at..at + 2]));
+                add(self, id, args);
+            }
+        }
+        if let Some(sum) = sum {
+            self.set(dst, 0, sum);
+        }
     }
 
     fn repeat(&mut self, dst: &[Var], l: &Loop) {

@@ -4,10 +4,10 @@
 use super::Lower;
 use super::call::{Application, Callee};
 use super::value::{Closure, Value};
-use crate::bounds::{Ask, Known, Request};
-use crate::core::{Atom, Const, FnId, Intrinsic, Op, Scalar, walk};
+use crate::bounds::{Ask, Known, Part, Request};
+use crate::core::{Atom, Const, FnId, Intrinsic, Op, walk};
 use crate::typed::{FunctionId, Type};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 impl<'m> Lower<'m> {
     /// The surface as a function of its own, and the words that it takes for a position.
@@ -39,31 +39,30 @@ impl<'m> Lower<'m> {
         Value::constant(Const::Bool(found))
     }
 
-    /// `(surface, low, high)`, and the direction for [`Ask::Along`].
+    /// `(surface, position or low, ..)`, in the order of [`Ask`]'s words.
     pub(super) fn enclosure(&mut self, ask: Ask, at: Application<'_, 'm>) -> Value<'m> {
-        let (base, mut words) = self.surface_of(&at, at.args[1].clone());
-        words.extend(at.args[2..].iter().flat_map(Value::components));
+        let anywhere = || self.zeros(&Type::Vec(2)).expect("a position is two words");
+        let position = at.args.get(1).cloned().unwrap_or_else(anywhere);
+        let (base, mut words) = self.surface_of(&at, position);
+        words.extend(at.args.iter().skip(2).flat_map(Value::components));
         let hole = self.enclosure_hole(base, ask, &at);
-        let scalars: &[Scalar] = match ask {
-            Ask::Above => &[Scalar::F32],
-            Ask::Along => &[Scalar::Bool, Scalar::F32, Scalar::F32],
-        };
-        let words = self.emit(Op::Call(hole, words.into()), scalars);
+        let words = self.emit(Op::Call(hole, words.into()), ask.results());
         self.unflatten(at.result, &mut words.into_iter())
     }
 
-    fn enclosure_hole(&mut self, base: FnId, ask: Ask, at: &Application<'_, 'm>) -> FnId {
-        if let Some(known) = self.enclosures.get(&(base, ask)) {
+    fn enclosure_hole(&mut self, surface: FnId, ask: Ask, at: &Application<'_, 'm>) -> FnId {
+        if let Some(known) = self.enclosures.get(&(surface, ask)) {
             return *known;
         }
-        let read = match ask {
-            Ask::Above => base,
-            Ask::Along => self.along_hole(base, at.span),
+        let base = match ask {
+            Ask::Above | Ask::InCells | Ask::Raise => surface,
+            Ask::Along | Ask::Rise => self.along_hole(surface, at.span),
+            Ask::Reach => self.bend_hole(surface, at.span),
         };
         let hole = self.hole_id();
-        self.enclosures.insert((base, ask), hole);
+        self.enclosures.insert((surface, ask), hole);
         let span = self.called.filter(|_| self.module.is_library(at.span)).unwrap_or(at.span);
-        self.bounds.push(Request { hole, base: read, ask, span });
+        self.bounds.push(Request { hole, surface, base, ask, span });
         hole
     }
 
@@ -81,20 +80,41 @@ impl<'m> Lower<'m> {
     /// Specialisations of library functions of which more is known than their code tells; those of their gradients are made.
     pub(super) fn known_functions(&mut self) -> Vec<(FnId, Known)> {
         for (known, _) in Known::ALL {
-            let Some(gradient) = known.gradient() else { continue };
             if self.specialised(*known).is_empty() || (self.requests.is_empty() && self.bounds.is_empty()) {
                 continue;
             }
-            let Some(id) = self.library(gradient.name()) else { continue };
-            let span = self.module.functions[id.0 as usize].span;
-            let args = vec![self.zeros(&Type::Vec(2)).expect("a position is two words")];
-            let at = Application { args, params: &[Type::Vec(2)], result: &Type::Vec(2), span };
-            self.specialise(&Callee::Function(id, Vec::new()), &at);
+            for derived in [known.gradient(), known.along()].into_iter().flatten() {
+                let Some(id) = self.library(derived.name()) else { continue };
+                self.specialise_plainly(id);
+            }
         }
         let all = Known::ALL
             .iter()
             .flat_map(|(known, _)| self.specialised(*known).into_iter().map(|id| (id, *known)));
         all.collect()
+    }
+
+    /// Functions of a patch's samples, if they are asked for.
+    pub(super) fn patch_functions(&mut self) -> HashMap<Part, FnId> {
+        if !self.bounds.iter().any(|request| matches!(request.ask, Ask::Rise | Ask::Reach)) {
+            return HashMap::new();
+        }
+        let mut made = HashMap::new();
+        for (part, name) in Part::ALL {
+            let Some(id) = self.library(name) else { continue };
+            made.insert(*part, self.specialise_plainly(id));
+        }
+        made
+    }
+
+    /// A function whose operands are numbers.
+    fn specialise_plainly(&mut self, id: FunctionId) -> FnId {
+        let function = &self.module.functions[id.0 as usize];
+        let params: Vec<Type> = function.param_types().cloned().collect();
+        let (result, span) = (function.result.clone(), function.span);
+        let args = params.iter().map(|ty| self.zeros(ty).expect("its operands are numbers")).collect();
+        let at = Application { args, params: &params, result: &result, span };
+        self.specialise(&Callee::Function(id, Vec::new()), &at).0
     }
 
     fn specialised(&self, known: Known) -> Vec<FnId> {

@@ -94,6 +94,10 @@ impl<'m> Lower<'m> {
             Builtin::Cellwise => self.cellwise(&at),
             Builtin::Above => self.enclosure(Ask::Above, at),
             Builtin::Along => self.enclosure(Ask::Along, at),
+            Builtin::InCells => self.enclosure(Ask::InCells, at),
+            Builtin::Raise => self.enclosure(Ask::Raise, at),
+            Builtin::Rise => self.enclosure(Ask::Rise, at),
+            Builtin::Reach => self.enclosure(Ask::Reach, at),
             _ => match direct(builtin) {
                 Some(intrinsic) => self.intrinsic(intrinsic, args, at.result),
                 None => unreachable!("`{}` has a row above", builtin.name()),
@@ -537,6 +541,8 @@ fn direct(builtin: Builtin) -> Option<Intrinsic> {
         Builtin::Picture => Intrinsic::Picture,
         Builtin::Hole => Intrinsic::Hole,
         Builtin::Holed => Intrinsic::Holed,
+        Builtin::NextCell => Intrinsic::NextCell,
+        Builtin::PatchAround => Intrinsic::PatchAround,
         _ => return None,
     })
 }

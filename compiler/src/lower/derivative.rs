@@ -5,7 +5,7 @@ use super::Lower;
 use super::call::Application;
 use super::value::Value;
 use crate::core::{FnId, Op};
-use crate::derive::Request;
+use crate::derive::{Along, Request};
 use crate::source::Span;
 use crate::typed::Type;
 
@@ -30,14 +30,28 @@ impl<'m> Lower<'m> {
         let hole = self.hole_id();
         self.derivatives.insert(base, hole);
         let span = self.called.filter(|_| self.module.is_library(span)).unwrap_or(span);
-        self.requests.push(Request { hole, base, directions, along: false, span });
+        self.requests.push(Request { hole, base, directions, along: None, span });
         hole
     }
 
     /// Value and slope along a direction.
     pub(super) fn along_hole(&mut self, base: FnId, span: Span) -> FnId {
+        self.derived_along(base, Along::Slope, span)
+    }
+
+    /// Value and slope, and the slopes of both along another direction.
+    pub(super) fn bend_hole(&mut self, base: FnId, span: Span) -> FnId {
+        let slope = self.along_hole(base, span);
+        self.derived_along(slope, Along::Bend, span)
+    }
+
+    fn derived_along(&mut self, base: FnId, along: Along, span: Span) -> FnId {
+        if let Some(known) = self.alongs.get(&base) {
+            return *known;
+        }
         let hole = self.hole_id();
-        self.requests.push(Request { hole, base, directions: 1, along: true, span });
+        self.alongs.insert(base, hole);
+        self.requests.push(Request { hole, base, directions: 1, along: Some(along), span });
         hole
     }
 }

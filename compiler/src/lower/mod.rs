@@ -20,7 +20,7 @@ mod specialise;
 mod value;
 mod words;
 
-use crate::bounds::{self as bounds_of, Known};
+use crate::bounds::{self as bounds_of, Known, Library};
 use crate::codes::{self, Code};
 use crate::compile::EntryKind;
 use crate::core::{Args, Atom, Const, Dst, FnId, Function, Op, Prim, Program, Scalar, Stmt, Var};
@@ -156,6 +156,8 @@ struct Lower<'m> {
     derivatives: HashMap<FnId, FnId>,
     requests: Vec<Request>,
     /// Functions whose bounds are to be made, and where those are called.
+    /// Derivatives along a direction, by function.
+    alongs: HashMap<FnId, FnId>,
     enclosures: HashMap<(FnId, bounds_of::Ask), FnId>,
     bounds: Vec<bounds_of::Request>,
     /// First word of each live parameter.
@@ -216,6 +218,7 @@ impl<'m> Lower<'m> {
             errors: Vec::new(),
             derivatives: HashMap::new(),
             requests: Vec::new(),
+            alongs: HashMap::new(),
             enclosures: HashMap::new(),
             bounds: Vec::new(),
             live: BTreeMap::new(),
@@ -246,12 +249,17 @@ impl<'m> Lower<'m> {
     /// All functions once none is queued, with the derivatives that they call.
     fn functions_made(&mut self) -> Result<Vec<Function>, Vec<Diagnostic>> {
         let known = self.known_functions();
+        let parts = self.patch_functions();
         self.drain()?;
-        let gradient = |of: Known| known.iter().find(|(_, k)| Some(*k) == of.gradient()).map(|(id, _)| *id);
-        let gradients = known.iter().filter_map(|(id, k)| Some((*id, gradient(*k)?))).collect();
+        let made = |of: Option<Known>| known.iter().find(|(_, k)| Some(*k) == of).map(|(id, _)| *id);
+        let given = derive::Given {
+            gradients: known.iter().filter_map(|(id, k)| Some((*id, made(k.gradient())?))).collect(),
+            alongs: known.iter().filter_map(|(id, k)| Some((*id, made(k.along())?))).collect(),
+        };
         let mut functions = std::mem::take(&mut self.functions);
-        let values = derive::fill(&mut functions, &self.requests, &gradients)?;
-        bounds_of::fill(&mut functions, &self.bounds, &known.into_iter().collect(), &values)?;
+        let values = derive::fill(&mut functions, &self.requests, &given)?;
+        let known = known.into_iter().collect();
+        bounds_of::fill(&mut functions, &self.bounds, &Library { known: &known, parts: &parts }, &values)?;
         Ok(functions.into_iter().map(|f| f.expect("every queued function was lowered")).collect())
     }
 

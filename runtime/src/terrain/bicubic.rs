@@ -158,6 +158,19 @@ fn bend_weights(t: f32) -> [f32; 4] {
     [2.0 - 3.0 * t, 9.0 * t - 5.0, 4.0 - 9.0 * t, 3.0 * t - 1.0]
 }
 
+/// Height of a cell's south-western sample, and the 4 x 4 samples around the cell less that one, in metres. A cell that touches a
+/// void has a void's height. Twin of `shaders/terrain/patch_around.wgsl`.
+pub(super) fn patch_around<H: Heights>(scene: &SceneUniform, heights: &H, at: [f32; 2]) -> [f32; 17] {
+    let cell = [0, 1].map(|axis| at[axis].clamp(0.0, (scene.size[axis] - 2) as f32) as u32);
+    let mut words = [0.0; 17];
+    words[0] = VOID_F32;
+    if let Some(around) = Around::new(scene, heights, cell) {
+        words[0] = around.base * scene.z_scale + scene.z_offset;
+        words[1..].iter_mut().zip(around.rows.as_flattened()).for_each(|(word, z)| *word = z * scene.z_scale);
+    }
+    words
+}
+
 pub(super) fn bicubic<H: Heights>(scene: &SceneUniform, heights: &H, x: f32, y: f32) -> f32 {
     let n = neighbours(scene, heights, x, y);
     (n.around.base + n.around.blend(weights(n.u), weights(n.v))) * scene.z_scale + scene.z_offset

@@ -3,7 +3,7 @@
 
 mod bicubic;
 
-use super::field::Terrain;
+use super::field::{Terrain, VOID_F32};
 use super::layout::SceneUniform;
 use super::ray::WorldRay;
 
@@ -32,6 +32,15 @@ struct Corners {
     se: f64,
     nw: f64,
     ne: f64,
+}
+
+/// A part of a ray that lies over a cell: its ends as distances, as places in the cell, as heights.
+struct Piece {
+    cell: (u32, u32),
+    ends: [f64; 2],
+    u: [f64; 2],
+    v: [f64; 2],
+    z: [f64; 2],
 }
 
 impl Corners {
@@ -205,6 +214,62 @@ impl<'a> Field<'a> {
 
     /// First t in [near, far] where the ray is over the field and on or under the surface.
     pub fn trace(&self, surface: Surface, ray: &WorldRay<f64>) -> Option<f64> {
+        let curved = matches!(surface, Surface::Bicubic | Surface::Subdivided(_));
+        self.first(ray, curved, |piece| {
+            let Piece { cell: (i, j), ends: [a, b], u, v, z } = *piece;
+            let corners = self.corners(i, j)?;
+            let least = z[0].min(z[1]);
+            let share = match surface {
+                Surface::Bilinear | Surface::Triangulated if least > corners.highest() => None,
+                Surface::Bilinear => meet_bilinear(&corners, u, v, z),
+                Surface::Triangulated => meet_triangulated(&corners, u, v, z),
+                Surface::Bicubic | Surface::Subdivided(_) => {
+                    let around = self.around(i, j);
+                    match surface {
+                        _ if least > bicubic::summit(&around) => None,
+                        Surface::Subdivided(n) => bicubic::meet_subdivided(around, n, u, v, z),
+                        _ => bicubic::meet_bicubic(around, u, v, z),
+                    }
+                }
+                Surface::Nearest => None,
+            }?;
+            Some(a + share * (b - a))
+        })
+    }
+
+    /// The first cell in which the ray may be no more than `raise` over the bicubic surface: where the ray comes into it, and the
+    /// cell.
+    pub fn next_cell(&self, ray: &WorldRay<f64>, raise: f64) -> Option<[f64; 3]> {
+        let [x, y, z] = ray.origin;
+        let lowered = WorldRay { origin: [x, y, z - raise], ..*ray };
+        self.first(&lowered, true, |piece| {
+            let (i, j) = piece.cell;
+            let near = piece.z[0].min(piece.z[1]) <= bicubic::summit(&self.around(i, j));
+            near.then_some([piece.ends[0], f64::from(i), f64::from(j)])
+        })
+    }
+
+    /// Height of a cell's south-western sample, and the 4 x 4 samples around the cell less that one.
+    pub fn patch_around(&self, at: [f64; 2]) -> [f64; 17] {
+        let (i, j) = self.cell(at[0], at[1]);
+        let mut words = [0.0; 17];
+        words[0] = f64::from(VOID_F32);
+        if self.corners(i, j).is_some() {
+            let around = self.around(i, j);
+            words[0] = around[1][1];
+            words[1..].iter_mut().zip(around.as_flattened()).for_each(|(word, z)| *word = z - around[1][1]);
+        }
+        words
+    }
+
+    /// The first answer to a piece of the ray that lies over a cell, in their order. `curved` surfaces may pass the highest sample.
+    fn first<T>(
+        &self,
+        ray: &WorldRay<f64>,
+        curved: bool,
+        look: impl FnMut(&Piece) -> Option<T>,
+    ) -> Option<T> {
+        let mut look = look;
         let WorldRay { origin, dir, near, far } = *ray;
         // Across the field such a component takes longer than any ray is.
         let level = |axis: usize| (dir[axis] / self.spacing[axis]).abs() <= 1e-18;
@@ -228,10 +293,7 @@ impl<'a> Field<'a> {
                 to = to.min(a.max(b));
             }
         }
-        let over = match surface {
-            Surface::Bicubic | Surface::Subdivided(_) => 0.3 * (self.high - self.low),
-            _ => 0.0,
-        };
+        let over = if curved { 0.3 * (self.high - self.low) } else { 0.0 };
         let roof = (self.high + over + 1e-6 - origin[2]) / dir[2];
         if dir[2] > 0.0 {
             to = to.min(roof);
@@ -258,26 +320,10 @@ impl<'a> Field<'a> {
         pieces.into_iter().find_map(|(a, b)| {
             let middle = 0.5 * (a + b);
             let (i, j) = self.cell(grid(0, middle), grid(1, middle));
-            let corners = self.corners(i, j)?;
             let u = [grid(0, a) - f64::from(i), grid(0, b) - f64::from(i)];
             let v = [grid(1, a) - f64::from(j), grid(1, b) - f64::from(j)];
             let z = [origin[2] + a * dir[2], origin[2] + b * dir[2]];
-            let least = z[0].min(z[1]);
-            let share = match surface {
-                Surface::Bilinear | Surface::Triangulated if least > corners.highest() => None,
-                Surface::Bilinear => meet_bilinear(&corners, u, v, z),
-                Surface::Triangulated => meet_triangulated(&corners, u, v, z),
-                Surface::Bicubic | Surface::Subdivided(_) => {
-                    let around = self.around(i, j);
-                    match surface {
-                        _ if least > bicubic::summit(&around) => None,
-                        Surface::Subdivided(n) => bicubic::meet_subdivided(around, n, u, v, z),
-                        _ => bicubic::meet_bicubic(around, u, v, z),
-                    }
-                }
-                Surface::Nearest => None,
-            }?;
-            Some(a + share * (b - a))
+            look(&Piece { cell: (i, j), ends: [a, b], u, v, z })
         })
     }
 }

@@ -23,6 +23,7 @@ const CURVED: &[Intrinsic] = &[
     Intrinsic::OccludedBicubic,
     Intrinsic::OccludedSubdivided,
     Intrinsic::Crest,
+    Intrinsic::NextCell,
 ];
 
 impl World for Scene {
@@ -167,6 +168,12 @@ impl Scene {
             Intrinsic::OccludedSubdivided => give(out, &trace(Surface::Subdivided(args[8]))[..1]),
             Intrinsic::OccludedTriangulated => give(out, &trace(Surface::Triangulated)[..1]),
             Intrinsic::OccludedBilinear => give(out, &trace(Surface::Bilinear)[..1]),
+            Intrinsic::NextCell => {
+                let cell = field.next_cell(&world_ray(args), args[8]);
+                out[0] = f64::from(u8::from(cell.is_some()));
+                give(&mut out[1..], &cell.unwrap_or([0.0; 3]));
+            }
+            Intrinsic::PatchAround => give(out, &field.patch_around([0, 1].map(|k| args[k]))),
             Intrinsic::Highest => give(out, &[field.bounds(args)[1]]),
             Intrinsic::Lowest => give(out, &[field.bounds(args)[0]]),
             Intrinsic::Crest => give(out, &[field.crest(args)]),
@@ -259,6 +266,12 @@ fn evaluate<H: Heights>(
         Intrinsic::OccludedSubdivided => {
             any(out, walk::trace(scene, heights, Subdivided { parts: arg(8) }, &ray()))
         }
+        Intrinsic::NextCell => {
+            let cell = walk::next_cell(scene, heights, &ray(), arg(8));
+            out[0] = u32::from(cell.is_some());
+            floats(&mut out[1..], &cell.unwrap_or([0.0; 3]));
+        }
+        Intrinsic::PatchAround => floats(out, &bicubic::patch_around(scene, heights, [0, 1].map(arg))),
         Intrinsic::Highest => floats(out, &[range::highest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Lowest => floats(out, &[range::lowest(scene, heights, &[0, 1, 2, 3].map(arg))]),
         Intrinsic::Crest => floats(out, &[range::crest(scene, heights, &[0, 1, 2, 3].map(arg))]),

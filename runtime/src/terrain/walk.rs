@@ -6,7 +6,7 @@
 
 use super::field::{VOID_F32, VOID_I16};
 use super::layout::SceneUniform;
-use super::patch::{Patch, Way};
+use super::patch::{Bicubic, Patch, Way};
 use super::ray::{GridRay, WorldRay, enter, off_plane, onward, planes};
 use super::transforms::{high, sum};
 
@@ -121,22 +121,45 @@ pub(super) fn metered<H: Heights, P: Patch, M: Meter>(
     meter: &mut M,
 ) -> Option<f32> {
     let grid = enter(scene, ray, P::OVERSHOOT)?;
-    let t = walk(scene, heights, &patch, grid, meter)?;
-    Some(t.clamp(ray.near, ray.far))
+    let met = walk(scene, heights, Some(&patch), grid, meter)?;
+    Some(settle(scene, heights, &patch, &met).clamp(ray.near, ray.far))
+}
+
+/// The first cell in which the ray may be no more than `raise` over the bicubic surface: where the ray comes into it, and the cell.
+/// Twin of `shaders/terrain/next_cell.wgsl`.
+pub(super) fn next_cell<H: Heights>(
+    scene: &SceneUniform,
+    heights: &H,
+    ray: &WorldRay<f32>,
+    raise: f32,
+) -> Option<[f32; 3]> {
+    let [x, y, z] = ray.origin;
+    let lowered = WorldRay { origin: [x, y, z - raise], ..*ray };
+    let grid = enter(scene, &lowered, Bicubic::OVERSHOOT)?;
+    let met = walk::<H, Bicubic, ()>(scene, heights, None, grid, &mut ())?;
+    let entry = (met.ray.start + met.at[0]).clamp(ray.near, ray.far);
+    Some([entry, met.node[0] as f32, met.node[1] as f32])
+}
+
+/// What a walk meets: the ray by its last base, the cell, the distance there with the rest of it.
+struct Met {
+    ray: GridRay,
+    node: [i32; 2],
+    at: [f32; 2],
 }
 
 /// The level of the node that a walk begins with.
 const FIRST: u32 = 2;
 
-/// Three loops: bases of the ray, cells that may be hit, nodes over them. A SIMD machine without branches pays for what a
+/// Without a patch every cell that the ray comes near to is met. Three loops: bases of the ray, cells that may be hit, nodes over them. A SIMD machine without branches pays for what a
 /// loop holds in every turn of it, so what is dear stands in the loop that turns least.
 fn walk<H: Heights, P: Patch, M: Meter>(
     scene: &SceneUniform,
     heights: &H,
-    patch: &P,
+    patch: Option<&P>,
     ray: GridRay,
     meter: &mut M,
-) -> Option<f32> {
+) -> Option<Met> {
     let mut ray = ray;
     let cells = [scene.size[0] as i32 - 1, scene.size[1] as i32 - 1];
     // 1 where the ray leaves a node through its upper plane.
@@ -206,9 +229,12 @@ fn walk<H: Heights, P: Patch, M: Meter>(
             }
             meter.count();
             let z_out = ray.low + out * ray.d[2];
-            let found = cell(scene, heights, patch, &ray, node, (s, out), (z, z_out));
-            if let Some(met) = found {
-                return Some(settle(scene, heights, patch, &ray, node, met));
+            let found = match patch {
+                Some(patch) => cell(scene, heights, patch, &ray, node, (s, out), (z, z_out)),
+                None => Some([s, 0.0]),
+            };
+            if let Some(at) = found {
+                return Some(Met { ray, node, at });
             }
             if out >= ray.end {
                 break;
@@ -289,14 +315,9 @@ fn reach(ray: &GridRay, at: [i32; 2], corner: f32, s: f32, more: [f32; 3], lengt
 /// roundings: there the ray grazes, or it came in under the surface, at a wall along the rim or a void. Then it is one step to
 /// the wall, for distances to planes are only as exact as the way from a base. Beside a sample the ray may so
 /// come into a cell a little under its surface, which is no wall.
-fn settle<H: Heights, P: Patch>(
-    scene: &SceneUniform,
-    heights: &H,
-    patch: &P,
-    ray: &GridRay,
-    node: [i32; 2],
-    [s, hit]: [f32; 2],
-) -> f32 {
+fn settle<H: Heights, P: Patch>(scene: &SceneUniform, heights: &H, patch: &P, met: &Met) -> f32 {
+    let Met { ray, node, at: [s, hit], .. } = *met;
+    let ray = &ray;
     let Some(samples) = patch.samples(scene, heights, node) else { return ray.start + (s + hit) };
     let at = sum(s, hit);
     let more = [0, 1, 2].map(|axis| at[0] * ray.rest[axis] + at[1] * ray.d[axis]);

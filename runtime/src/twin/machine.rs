@@ -22,7 +22,7 @@ const TICKS: u32 = 1 << 16;
 /// Segments between two looks at the clock while a window is filled or published.
 const LOOK: u32 = 1 << 16;
 /// Operands and results of an intrinsic.
-const MOST_WORDS: usize = 16;
+const MOST_WORDS: usize = 17;
 
 /// Why a lane stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -219,9 +219,8 @@ mod tests {
     fn the_summit_is_above_the_patch_and_no_higher_than_it_must_be() {
         // High where halfway along both axes the weight is above 0.
         let inner = |k: usize| k == 1 || k == 2;
-        let worst = std::array::from_fn(|j| {
-            std::array::from_fn(|i| f64::from(u8::from(inner(i) == inner(j))))
-        });
+        let worst =
+            std::array::from_fn(|j| std::array::from_fn(|i| f64::from(u8::from(inner(i) == inner(j)))));
         assert_eq!(height(&worst, 0.5, 0.5), 1.28125);
         assert_eq!(summit(&worst), 1.282);
         let mut state = 7u64;
@@ -233,7 +232,8 @@ mod tests {
                 })
             });
             let top = summit(&rows);
-            let grid = (0..=16).flat_map(|i| (0..=16).map(move |j| (f64::from(i) / 16.0, f64::from(j) / 16.0)));
+            let grid =
+                (0..=16).flat_map(|i| (0..=16).map(move |j| (f64::from(i) / 16.0, f64::from(j) / 16.0)));
             for (u, v) in grid {
                 assert!(height(&rows, u, v) <= top, "{rows:?} at {u}, {v}");
             }

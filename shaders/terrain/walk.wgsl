@@ -38,12 +38,13 @@ fn terrain_walk_SURFACE(entered: TerrainRay) -> TerrainMet {
             while level > 0u && !(gone || ended) {
                 let z_out = ray.low + out * ray.d.z;
                 if min(z, z_out) <= terrain_top_SURFACE(row.x + u32(node.y) * row.y + u32(node.x)) {
-                    // Descend to the half of each axis that the ray is in at s.
+                    // Descend to the half of each axis that the ray is in at s; on the plane between them to that which it leaves, so that
+                    // a ray through a corner is tested against the cells beside it, but for one that begins there.
                     level -= 1u;
                     row = terrain_scene.levels[level];
                     let middle = (2 * node + vec2<i32>(1)) << vec2<u32>(level);
                     let distance = terrain_planes(ray, middle);
-                    let crossed = vec2<f32>(s) >= distance;
+                    let crossed = select(vec2<f32>(s) > distance, vec2<f32>(s) >= distance, vec2<bool>(s <= ray.begin));
                     let upper = (crossed == (ahead == vec2<i32>(1))) & (middle < cells);
                     node = 2 * node + select(vec2<i32>(0), vec2<i32>(1), upper);
                     exit = select(distance, exit, crossed);

@@ -2,7 +2,7 @@
 //! cell's samples at hand, so that no step looks them up again. What they are made of is found by [`super::Ask`]s that
 //! may go without an answer; then the surface is searched as any other.
 
-use super::interval::{Interval, flag, number};
+use super::interval::{flag, number};
 use super::{Request, Values};
 use crate::core::names::Names;
 use crate::core::{Atom, Block, FnId, Function, Intrinsic, Mark, Scalar, Var};
@@ -70,18 +70,10 @@ impl Part {
 /// The cell (x, y), its south-western sample, the 4 x 4 samples around it less that one.
 pub(super) const PATCH_WORDS: usize = 19;
 
-/// The patch that a function is read with, and the position for which it stands.
+/// The patch that a function is read with.
 pub(super) struct Patch<'a> {
     pub words: Vec<Atom>,
-    pub position: [Interval; 2],
     pub parts: &'a HashMap<Part, FnId>,
-}
-
-impl Patch<'_> {
-    /// Whether these words are the position, as it came.
-    pub fn is_at(&self, args: &[Interval]) -> bool {
-        args.len() == 2 && args.iter().zip(&self.position).all(|(a, b)| a.lo == b.lo && a.hi == b.hi)
-    }
 }
 
 fn constant(

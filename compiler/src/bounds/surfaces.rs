@@ -215,6 +215,18 @@ pub(super) fn enclose(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) -> 
     }
 }
 
+/// A surface jumps at a hole's rim. Rays pass through holes where they are, so only a hole that is looked up elsewhere counts.
+pub(super) fn jump_at_holes(e: &mut Emit, intrinsic: Intrinsic, args: &[Interval]) {
+    use Intrinsic::{Bicubic, Bilinear, Subdivided, Triangulated};
+    if matches!(intrinsic, Bilinear | Triangulated | Bicubic | Subdivided) {
+        let holed = match ends(args) {
+            Some(ends) => ask(e, Intrinsic::Holed, ends.to_vec())[0],
+            None => flag(true),
+        };
+        e.jumps.push(holed);
+    }
+}
+
 fn unbounded(e: &mut Emit, intrinsic: Intrinsic, what: &'static str, mend: &'static str) -> Vec<Interval> {
     let result = |scalar: &Scalar| match scalar {
         F32 => e.endless(what, mend),

@@ -68,6 +68,8 @@ struct Transform<'a> {
     words: Vec<Option<Word>>,
     values: usize,
     place: Option<Span>,
+    /// The surface's own, as it came.
+    position: [Interval; 2],
     /// Of [`Ask::Rise`] and [`Ask::Reach`], and of [`Ask::Raise`] without words.
     patch: Option<Patch<'a>>,
     /// Functions known to look up patches, or not to.
@@ -121,6 +123,7 @@ pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) ->
     if matches!(request.ask, Ask::Rise | Ask::Reach) && !has_slope {
         return Err(Refused::Endless(None));
     }
+    let nowhere = || Interval::endless(None);
     let mut transform = Transform {
         context,
         ask: request.ask,
@@ -132,6 +135,7 @@ pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) ->
         words: Vec::new(),
         values: usize::MAX,
         place: None,
+        position: [nowhere(), nowhere()],
         patch: None,
         reaching: HashMap::new(),
     };
@@ -155,8 +159,9 @@ pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) ->
     args.extend(direction.iter().cycle().take(shape.trailing).map(still));
     if matches!(request.ask, Ask::Raise | Ask::Rise | Ask::Reach) {
         let words = patch.iter().map(|v| Atom::Var(*v)).collect();
-        transform.patch = Some(Patch { words, position, parts: context.library.parts });
+        transform.patch = Some(Patch { words, parts: context.library.parts });
     }
+    transform.position = position;
     params.extend(ends);
     params.extend(direction);
     params.extend(patch);
@@ -327,7 +332,13 @@ impl Transform<'_> {
                     }
                     None => {
                         let intervals: Vec<Interval> = words.iter().map(Word::interval).collect();
-                        let found = self.emit(value, |e| surfaces::enclose(e, *intrinsic, &intervals));
+                        let elsewhere = intervals.len() < 2 || !self.is_position(&intervals[..2]);
+                        let found = self.emit(value, |e| {
+                            if elsewhere {
+                                surfaces::jump_at_holes(e, *intrinsic, &intervals);
+                            }
+                            surfaces::enclose(e, *intrinsic, &intervals)
+                        });
                         for (v, interval) in stmt.dst.iter().zip(found) {
                             self.define(*v, Word::Moving(interval));
                         }
@@ -354,10 +365,16 @@ impl Transform<'_> {
         Some(Word::Over(self.emit(false, |e| enclose(rules, e, (prim, on), &operands, false))))
     }
 
+    /// Whether these words are the position, as it came.
+    fn is_position(&self, at: &[Interval]) -> bool {
+        let same = |(a, b): (&Interval, &Interval)| a.lo == b.lo && a.hi == b.hi;
+        at.len() == 2 && at.iter().zip(&self.position).all(same)
+    }
+
     /// What the patch tells of the bicubic surface at the position.
     fn patched(&mut self, intrinsic: Intrinsic, words: &[Word]) -> Option<Vec<Word>> {
         let at: Vec<Interval> = words.iter().map(Word::interval).collect();
-        let patch = self.patch.as_ref().filter(|patch| patch.is_at(&at))?;
+        let patch = self.patch.as_ref().filter(|_| self.is_position(&at))?;
         let (part, operands) = match self.ask {
             Ask::Raise if intrinsic == Intrinsic::Bicubic => {
                 return Some(vec![Word::Over(Interval::point(number(0.0), Range::point(0.0)))]);

@@ -468,6 +468,23 @@ fn a_wall_is_where_it_stands() {
     }
 }
 
+/// Through the corner of two cells with holes the ray meets the edge of the two solid ones beside it.
+#[test]
+fn a_ray_through_a_corner_meets_the_cells_beside_it() {
+    let holes = [(1, 3), (3, 1)];
+    let terrain = field(4, 4, [10.0, 10.0], |c, r| if holes.contains(&(c, r)) { f32::NAN } else { 50.0 });
+    let scene = scene(terrain);
+    let d = 0.5f32.sqrt();
+    for surface in SURFACES {
+        let ray = [15.0, 25.0, 40.0, d, -d, 0.0, 0.0, 1e9];
+        let found = single(&scene, surface, &ray);
+        assert!(found.is_some_and(|t| (t - 7.0710678).abs() < 1e-5), "{}: {found:?}", surface.name());
+        // Over the edge nothing is in its way.
+        let ray = [15.0, 25.0, 60.0, d, -d, 0.0, 0.0, 1e9];
+        assert_eq!(single(&scene, surface, &ray), None, "{}", surface.name());
+    }
+}
+
 /// A box that spans places of every size, some of them beyond the rim or along grid lines.
 fn ends(scene: &Scene, random: &mut Random) -> [f32; 4] {
     let terrain = scene.terrain();

@@ -194,12 +194,13 @@ fn walk<H: Heights, P: Patch, M: Meter>(
                 let [offset, width, _, _] = scene.levels[level as usize];
                 let bound = P::bound(heights, (offset + node[1] as u32 * width + node[0] as u32) as usize);
                 if z.min(z_out) <= bound {
-                    // Descend to the half of each axis that the ray is in at s.
+                    // Descend to the half of each axis that the ray is in at s; on the plane between them to that which it leaves,
+                    // so that a ray through a corner is tested against the cells beside it, but for one that begins there.
                     level -= 1;
                     let middle = [(2 * node[0] + 1) << level, (2 * node[1] + 1) << level];
                     let distance = planes(&ray, middle[0], middle[1]);
                     for axis in 0..2 {
-                        let crossed = s >= distance[axis];
+                        let crossed = s > distance[axis] || (s == distance[axis] && s <= ray.from);
                         let upper = crossed == (ahead[axis] == 1) && middle[axis] < cells[axis];
                         node[axis] = 2 * node[axis] + i32::from(upper);
                         if !crossed {

@@ -244,8 +244,9 @@ fn traced(
     rays: u64,
 ) -> Result<Vec<Value>, Failure> {
     let mut rows = Vec::new();
-    // No distance is known better than heights are.
+    // No distance is known better than heights are; under a cosine of a half an error of height counts twice.
     let bounds = if site.moved > MOVED { BOUNDS.map(|bound| bound.max(site.moved)) } else { BOUNDS };
+    let bounds = [bounds[0].max(2.0 * surface.rounded(site)), bounds[1]];
     let tracer = match machines.gpu.map(|gpu| Tracer::new(gpu, &site.scene, surface)) {
         None => None,
         Some(Ok(tracer)) => Some(tracer),

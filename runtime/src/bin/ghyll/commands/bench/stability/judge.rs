@@ -64,9 +64,13 @@ const CURVED: f64 = 1.0 / 1_048_576.0;
 impl Surface {
     /// Cells by which rays over the field may be moved.
     pub fn moved(self, site: &Site) -> f64 {
+        self.rounded(site).max(MOVED)
+    }
+
+    /// Cells by which its heights are rounded; 0 for those that are made of a cell's corners.
+    pub fn rounded(self, site: &Site) -> f64 {
         let curved = matches!(self.trace, Intrinsic::TraceBicubic | Intrinsic::TraceSubdivided);
-        let heights = if curved { CURVED * (site.relief[1] - site.relief[0]) / site.cell() } else { 0.0 };
-        heights.max(MOVED)
+        if curved { CURVED * (site.relief[1] - site.relief[0]) / site.cell() } else { 0.0 }
     }
 }
 
@@ -126,12 +130,22 @@ pub fn judge(site: &Site, surface: Surface, ray: &Ray, real: Option<f64>, answer
     };
     look(site, ray, answer, real, slope).unwrap_or_else(|| {
         let others: Vec<_> = moves(site, ray, answer).iter().map(|ray| truth(site, surface, ray)).collect();
-        if excused(&others, answer, slack(site, ray, answer, slope)) {
-            Verdict::Right
-        } else {
-            blame(answer, real)
-        }
+        compare(&others, answer, real, slack(site, ray, answer, slope))
     })
+}
+
+/// The verdict on an answer by those of the moved rays. Where some of them meet the surface and some do not, `trace` and `occluded` may
+/// say either.
+pub fn compare(others: &[Option<f64>], answer: Answer, real: Option<f64>, slack: f64) -> Verdict {
+    let agrees = (answer.hit != 0) == (answer.occluded != 0);
+    let silhouette = others.iter().any(Option::is_some) && others.iter().any(Option::is_none);
+    if !agrees && !silhouette {
+        Verdict::Fault
+    } else if excused(others, answer, slack) || (answer.given().is_none() && real.is_none()) {
+        Verdict::Right
+    } else {
+        blame(answer, real)
+    }
 }
 
 /// The verdict where the ray alone tells it; none where rays beside it must be asked. `slope` is the surface's gradient.
@@ -144,16 +158,26 @@ pub fn look(
 ) -> Option<Verdict> {
     let t = f32::from_bits(answer.distance);
     let hit = answer.hit != 0;
-    if hit != (answer.occluded != 0) || (hit && !t.is_finite()) {
+    if hit && !t.is_finite() {
         return Some(Verdict::Fault);
+    }
+    if hit != (answer.occluded != 0) {
+        return None;
     }
     match (answer.given(), real) {
         (None, None) => Some(Verdict::Right),
         (Some(given), Some(real)) => {
             let ray = ray.map(f64::from);
-            let at = [0, 1].map(|k| (ray[k] + real * ray[k + 3]).clamp(0.0, site.extent[k]));
-            let (error, cosine) = apart(site, &ray, slope(at), (given - real).abs() - rounding(t));
-            if cosine >= GRAZING && error <= 1e-3 {
+            let beyond = (given - real).abs() - rounding(t);
+            let here = |by: [f64; 2]| {
+                slope([0, 1].map(|k| (ray[k] + real * ray[k + 3] + by[k]).clamp(0.0, site.extent[k])))
+            };
+            let (error, cosine) = apart(site, &ray, here([0.0; 2]), beyond);
+            // Where the surface turns as near by as rays may be moved, it may graze on either side of the crease.
+            let step = site.moved * site.cell();
+            let around = [[step, step], [step, -step], [-step, step], [-step, -step]];
+            let grazes = || around.into_iter().any(|by| apart(site, &ray, here(by), beyond).1 < GRAZING);
+            if cosine >= GRAZING && error <= 1e-3 && (error <= 1e-6 || !grazes()) {
                 return Some(Verdict::Hit(error));
             }
             (error * cosine <= site.moved).then_some(Verdict::Right)
@@ -163,7 +187,7 @@ pub fn look(
 }
 
 /// An answer that is neither right nor that of a ray beside it.
-pub fn blame(answer: Answer, real: Option<f64>) -> Verdict {
+fn blame(answer: Answer, real: Option<f64>) -> Verdict {
     match (answer.given(), real) {
         (Some(given), Some(real)) if given > real => Verdict::Missed(Some(real)),
         (Some(_), real) => Verdict::Phantom(real),
@@ -215,10 +239,14 @@ fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Option<[f64; 8]> {
         at.round().clamp(0.0, f64::from(n - 1)) as u32
     };
     let (i, j) = (index(0, terrain.width), index(1, terrain.height));
-    // A hair below the peak.
+    // A hair below the peak, or as high as the ray is beside it: all that stands under a peak is solid.
     let below = 1e-3 * site.moved * site.cell();
     let [dx, dy] = terrain.spacing;
-    let peak = [f64::from(i) * dx, f64::from(j) * dy, terrain.sample(i, j)? - below];
+    let [x, y] = [f64::from(i) * dx, f64::from(j) * dy];
+    let level = ray[3] * ray[3] + ray[4] * ray[4];
+    let beside = ((x - ray[0]) * ray[3] + (y - ray[1]) * ray[4]) / level;
+    let top = terrain.sample(i, j)? - below;
+    let peak = [x, y, if level > 0.0 { top.min(ray[2] + beside * ray[5]) } else { top }];
     let way: [f64; 3] = std::array::from_fn(|k| peak[k] - ray[k]);
     let dir = [ray[3], ray[4], ray[5]];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -254,7 +282,7 @@ pub fn slack(site: &Site, ray: &Ray, answer: Answer, slope: impl Fn([f64; 2]) ->
 }
 
 /// Whether one of the moved rays has that answer, or they answer on both sides of it.
-pub fn excused(others: &[Option<f64>], answer: Answer, slack: f64) -> bool {
+fn excused(others: &[Option<f64>], answer: Answer, slack: f64) -> bool {
     let (mut before, mut behind, mut none) = (false, false, false);
     for other in others {
         match (*other, answer.given()) {
@@ -328,5 +356,34 @@ mod tests {
         let t = 4906.675;
         assert_eq!(passing(&peak, ray, t, [0.0; 3], 0.0), Verdict::Right);
         assert_eq!(passing(&peak, ray, t, [0.67, -0.74, 0.0], 5e-4), Verdict::Phantom(None));
+        // Beside a peak and lower than it: a millionth of a cell away is the solid.
+        let ray = [17.0, 32.0, 100001.0, 0.8136656, 0.5811897, -0.012915327, 0.0, 1e9];
+        assert_eq!(passing(&peak, ray, 86.030426, [0.0; 3], 0.0), Verdict::Right);
+        assert_eq!(passing(&peak, ray, 86.030426, [0.58, -0.81, 0.0], 5e-4), Verdict::Phantom(None));
+    }
+
+    #[test]
+    fn a_hit_at_a_crease_counts_as_the_flatter_side_does() {
+        let site = Site::new(fields::plateau().unwrap()).unwrap();
+        let surface = SURFACES[1];
+        let answer = |t: f32| Answer { hit: 1, distance: t.to_bits(), occluded: 1 };
+        // Level with the plateau, out of a pit: at the diagonal the ground is as high as the ray, and stays so.
+        let ray = [2148.6353, 6032.1035, 8848.125, 0.9810029, -0.19399278, 0.0, 0.0, 1e9];
+        let real = truth(&site, surface, &ray.map(f64::from));
+        assert!(real.is_some_and(|t| (t - 11.46234).abs() < 1e-4));
+        assert_eq!(judge(&site, surface, &ray, real, answer(11.584823)), Verdict::Right);
+        // Lower by two metres the pit's wall is met squarely.
+        let ray = [2148.6353, 6032.1035, 8846.125, 0.9810029, -0.19399278, 0.0, 0.0, 1e9];
+        let real = truth(&site, surface, &ray.map(f64::from));
+        let off = answer(real.unwrap() as f32 + 0.01);
+        assert!(matches!(judge(&site, surface, &ray, real, off), Verdict::Hit(e) if e > 1e-5));
+    }
+
+    #[test]
+    fn trace_and_occluded_may_differ_at_a_silhouette_alone() {
+        let none = Answer { hit: 0, distance: 0, occluded: 1 };
+        assert_eq!(compare(&[None, Some(5.0)], none, None, 1e-3), Verdict::Right);
+        assert_eq!(compare(&[None, None], none, None, 1e-3), Verdict::Fault);
+        assert_eq!(compare(&[Some(4.0), Some(5.0)], none, Some(5.0), 1e-3), Verdict::Fault);
     }
 }

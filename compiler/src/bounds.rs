@@ -45,8 +45,8 @@ pub enum Ask {
     Raise,
     /// `(.., x, y, dx, dy, patch) -> (value, slope)`: the height, and the slope along a direction, in the patch's cell.
     Rise,
-    /// `(.., x0, y0, x1, y1, dx, dy, patch) -> (slope, bend)`: no slope along the direction, and no second derivative, lies above. The
-    /// box lies in the patch's cell.
+    /// `(.., x0, y0, x1, y1, dx, dy, patch) -> (slope, least, greatest)`: no slope along the direction lies above; all second
+    /// derivatives lie between the others. The box lies in the patch's cell.
     Reach,
 }
 
@@ -57,7 +57,8 @@ impl Ask {
             Ask::Above | Ask::Raise => &[F32],
             Ask::Along => &[Bool, F32, F32],
             Ask::InCells => &[Bool],
-            Ask::Rise | Ask::Reach => &[F32, F32],
+            Ask::Rise => &[F32, F32],
+            Ask::Reach => &[F32, F32, F32],
         }
     }
 

@@ -177,12 +177,12 @@ builtins! {
     Along "__along" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2) -> (bool, f32, f32)");
     // Of surfaces that are the bicubic one at the position and something else that is added (`bounds/cells.rs`): whether a surface is
     // one; over a box, by how much it is higher than the bicubic one at most; its height and its slope along a direction; over a
-    // box within a cell its greatest slope and second derivative along a direction. The cell, its south-western sample and the
+    // box within a cell its greatest slope, its least and its greatest second derivative along a direction. The cell, its south-western sample and the
     // samples around it come last.
     InCells "__in_cells" Library Fixed("fn(fn(vec2) -> f32) -> bool");
     Raise "__raise" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2) -> f32");
     Rise "__rise" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2, f32, vec4, vec4, vec4, vec4) -> (f32, f32)");
-    Reach "__reach" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2, vec2, f32, vec4, vec4, vec4, vec4) -> (f32, f32)");
+    Reach "__reach" Library Fixed("fn(fn(vec2) -> f32, vec2, vec2, vec2, vec2, f32, vec4, vec4, vec4, vec4) -> (f32, f32, f32)");
     // The first cell in which a ray may be no more than so far over the bicubic surface: origin, direction, near, far, how far; whether
     // there is one, the distance, the cell.
     NextCell "__next_cell" Library Fixed("fn(vec3, vec3, f32, f32, f32) -> (bool, f32, vec2)");

@@ -188,7 +188,9 @@ pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) ->
         }
         // Its own results are the value, the slope and their slopes.
         (Ask::Reach, [_, slope, _, rest @ ..]) if transform.smooth == flag(true) => {
-            vec![greatest(slope)?, greatest(rest.first().unwrap_or(&flat))?]
+            let bend = rest.first().unwrap_or(&flat).interval();
+            let (least, most) = bend.both().ok_or(Refused::Endless(bend.why))?;
+            vec![greatest(slope)?, least, most]
         }
         _ => return Err(Refused::Endless(None)),
     };

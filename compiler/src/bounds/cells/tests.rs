@@ -97,8 +97,8 @@ impl Surface {
     }
 }
 
-/// By how much a surface breaks what is told of it, in parts of what is allowed: raise, height, slope, greatest slope, greatest
-/// second derivative. `told` are the fields whose patches tell heights and bounds.
+/// By how much a surface breaks what is told of it, in parts of what is allowed: raise, height, slope, greatest slope, second
+/// derivatives. `told` are the fields whose patches tell heights and bounds.
 fn broken(surface: &Surface, field: &Field, told: [&Field; 2], random: &mut Random) -> [f64; 5] {
     let mut unit = || random.below(10_001) as f32 / 10_000.0;
     let place = |unit: [f32; 2]| [0, 1].map(|k| (CELL[k] + 0.02 + 0.96 * unit[k]) * TEXEL[k]);
@@ -129,7 +129,7 @@ fn broken(surface: &Surface, field: &Field, told: [&Field; 2], random: &mut Rand
             (z - height(p)).abs() / (1e-5 * size),
             (slope - difference).abs() / (2e-3 * size),
             (slope - f64::from(reach[0])) / (1e-4 * size),
-            (bend - f64::from(reach[1])) / (2e-3 * size),
+            (bend - f64::from(reach[2])).max(f64::from(reach[1]) - bend) / (2e-3 * size),
         ];
         most.iter_mut().zip(all).for_each(|(most, one)| *most = most.max(one));
     }

@@ -226,26 +226,31 @@ pub fn moves(site: &Site, ray: &Ray, answer: Answer) -> Vec<[f64; 8]> {
         side.iter().zip(&mut other).for_each(|(s, at)| *at += step / length * s);
         (length > 0.0).then_some(other)
     };
-    let through = answer.given().and_then(|t| through_sample(site, &ray, t));
+    let through = answer.given().map(|t| through_sample(site, &ray, t)).unwrap_or_default();
     sides.into_iter().filter_map(moved).chain(through).collect()
 }
 
-/// The ray moved through the sample that is nearest to its hit, if that is as near: a peak's flanks may be so steep that no ray
-/// beside it comes under its height.
-fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Option<[f64; 8]> {
+/// The ray moved through the sample that is nearest to its hit, and through the four cells there a hair beside it, if that is as near: a
+/// peak's flanks may be so steep that no ray beside it comes under its height, and of cells with holes around it one may be solid.
+fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Vec<[f64; 8]> {
     let terrain = site.scene.terrain();
     let index = |k: usize, n: u32| {
         let at = (ray[k] + t * ray[k + 3]) / terrain.spacing[k];
         at.round().clamp(0.0, f64::from(n - 1)) as u32
     };
     let (i, j) = (index(0, terrain.width), index(1, terrain.height));
-    // A hair below the peak, or as high as the ray is beside it: all that stands under a peak is solid.
-    let below = 1e-3 * site.moved * site.cell();
+    let Some(sample) = terrain.sample(i, j) else { return Vec::new() };
     let [dx, dy] = terrain.spacing;
-    let [x, y] = [f64::from(i) * dx, f64::from(j) * dy];
+    let hair = 1e-4 * site.moved * site.cell();
+    let around = [[0.0, 0.0], [hair, hair], [hair, -hair], [-hair, hair], [-hair, -hair]];
+    let at = around.map(|[x, y]| [f64::from(i) * dx + x, f64::from(j) * dy + y]);
+    at.into_iter().filter_map(|at| through(site, ray, at, sample - 10.0 * hair)).collect()
+}
+
+/// The ray moved through a place, no higher than `top`: all that stands under a peak is solid. None if it is too far from it.
+fn through(site: &Site, ray: &[f64; 8], [x, y]: [f64; 2], top: f64) -> Option<[f64; 8]> {
     let level = ray[3] * ray[3] + ray[4] * ray[4];
     let beside = ((x - ray[0]) * ray[3] + (y - ray[1]) * ray[4]) / level;
-    let top = terrain.sample(i, j)? - below;
     let peak = [x, y, if level > 0.0 { top.min(ray[2] + beside * ray[5]) } else { top }];
     let way: [f64; 3] = std::array::from_fn(|k| peak[k] - ray[k]);
     let dir = [ray[3], ray[4], ray[5]];
@@ -255,7 +260,7 @@ fn through_sample(site: &Site, ray: &[f64; 8], t: f64) -> Option<[f64; 8]> {
     (0..3).for_each(|k| other[k] += way[k] - near * dir[k]);
     // What it moves by, aside and upright.
     let off = [0, 1, 2].map(|k| other[k] - ray[k]);
-    let level = (dir[0] * dir[0] + dir[1] * dir[1]).sqrt();
+    let level = level.sqrt();
     let aside = if level > 0.0 { (off[1] * dir[0] - off[0] * dir[1]) / level } else { 0.0 };
     let upright = (dot(off, off) - aside * aside).max(0.0).sqrt();
     let peaks = ROUNDED * (site.relief[1] - site.relief[0]) * level / dot(dir, dir).sqrt();

@@ -120,9 +120,9 @@ fn fill_by(
             Ok(function) => functions[request.hole.0 as usize] = Some(function),
             Err(_) if request.ask.is_optional() => {
                 without.insert(request.surface);
-                let base = functions[request.base.0 as usize].as_ref().expect("derivatives are filled first");
-                functions[request.hole.0 as usize] =
-                    Some(cells::unanswered(base, request, values, &mut names));
+                let surface = functions[request.surface.0 as usize].as_ref().expect("it was lowered");
+                let zeros = cells::unanswered(surface, request, values, &mut names);
+                functions[request.hole.0 as usize] = Some(zeros);
             }
             Err(refused) => {
                 let diagnostic = refused.tell(request.span);

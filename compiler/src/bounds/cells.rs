@@ -98,10 +98,15 @@ fn constant(
 }
 
 /// In the place of what has no answer: nothing calls it.
-pub(super) fn unanswered(base: &Function, request: &Request, values: &Values, names: &mut Names) -> Function {
-    let shape = super::transform::Shape::of(base, request, values);
+pub(super) fn unanswered(
+    surface: &Function,
+    request: &Request,
+    values: &Values,
+    names: &mut Names,
+) -> Function {
+    let shape = super::transform::Shape::of(surface, request, values);
     let zeros = request.ask.results().iter().map(|s| (*s, number(0.0))).collect();
-    constant(base, shape.words(), "unanswered", zeros, names)
+    constant(surface, shape.words(), "unanswered", zeros, names)
 }
 
 /// Whether a surface is searched in cells.

@@ -91,7 +91,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    pub fn of(base: &Function, request: &Request, values: &Values) -> Shape {
+    /// A surface's last parameters are its position; the base has the same before its own.
+    pub fn of(surface: &Function, request: &Request, values: &Values) -> Shape {
         // A function without a derivative has nothing behind its position.
         let derived = values.contains_key(&request.base);
         let trailing = match request.ask {
@@ -103,7 +104,7 @@ impl Shape {
         let directed = matches!(request.ask, Ask::Along | Ask::Rise | Ask::Reach);
         let patched = matches!(request.ask, Ask::Rise | Ask::Reach);
         Shape {
-            captured: base.params.len() - 2 - trailing,
+            captured: surface.params.len() - 2,
             position: if request.ask == Ask::Rise { 2 } else { 4 },
             directions: if directed { 2 } else { 0 },
             trailing,
@@ -139,7 +140,8 @@ pub(super) fn bounds(context: &Context, request: &Request, names: &mut Names) ->
         patch: None,
         reaching: HashMap::new(),
     };
-    let shape = Shape::of(base, request, context.values);
+    let surface = context.functions[request.surface.0 as usize].as_ref().expect("it was lowered");
+    let shape = Shape::of(surface, request, context.values);
     let mut params: Vec<Var> =
         base.params[..shape.captured].iter().map(|p| transform.fresh(base.vars[p.0 as usize])).collect();
     let mut numbers = |n: usize| -> Vec<Var> { (0..n).map(|_| transform.fresh(Scalar::F32)).collect() };
